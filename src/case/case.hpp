@@ -1,0 +1,177 @@
+#pragma once
+/// A case file in memory: typed, complete, validated. Plain data; filled by read_case() only.
+/// Every length is in metres, every angle in radians, every stress in pascals.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "law/all.hpp"
+#include "mesh/gmsh.hpp"
+#include "mesh/grid.hpp"
+#include "mesh/region.hpp"
+
+namespace berm {
+
+enum class Method { mpm, fem };
+enum class Plane { strain, stress };
+enum class Kinematics { finite, small };
+
+/// Which part of the plane a boundary condition acts on: everything inside all the given limits.
+struct Where {
+  std::optional<Vec2> min, max;        ///< box = { min, max }
+  std::optional<std::string> group;    ///< physical curve of a Gmsh body mesh or grid
+  struct Sector {
+    Vec2 centre;
+    double from, to;  ///< counter-clockwise from the x axis [rad]
+  };
+  std::optional<Sector> sector;
+};
+
+struct Material {
+  std::string name;
+  AnyLaw law;
+  double density = 0.0;
+  enum class CrackBand { sqrt_area, equal_circle, fixed } crack_band = CrackBand::sqrt_area;
+  double crack_band_length = 0.0;  ///< used with CrackBand::fixed
+};
+
+struct PointSeeding {
+  enum class Kind { grid, mesh } kind = Kind::grid;
+  int per_direction = 2;                                            ///< grid: points per cell and direction
+  enum class Placement { gauss, uniform } placement = Placement::gauss;  ///< grid: positions in uncut cells
+  BodyMeshOptions mesh;                                             ///< mesh: the body mesh whose Gauss points become points
+  int per_element = 4;                                              ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad
+};
+
+struct Body {
+  std::string name;
+  bool rigid = false;
+  std::string material;              ///< empty for rigid bodies
+  std::optional<Shape> shape;        ///< one of shape and mesh_file
+  std::string mesh_file, mesh_group; ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
+  PointSeeding points;               ///< mpm
+  BodyMeshOptions mesh;              ///< fem
+  Vec2 displacement = Vec2::Zero();  ///< rigid: motion at time 1, linear in time [m]
+};
+
+/// Prescribed displacement of grid nodes (mpm) or body-mesh nodes (fem) in a region.
+struct NodeBoundary {
+  std::string name;
+  Where where;
+  std::optional<double> ux, uy;  ///< displacement at time 1, linear in time [m]; absent: free
+};
+
+/// Held material points (any place inside a body): removes rigid motion where no boundary does.
+struct Pin {
+  std::string name, body;
+  Vec2 at;
+  bool x = false, y = false;
+};
+
+/// Pressure on the surface of a body, follows the material (mpm: surface points; fem: element edges).
+struct Pressure {
+  std::string name, body;
+  Where where;
+  double value = 0.0;  ///< at time 1, linear in time; positive pushes into the body [Pa]
+};
+
+/// A deformable body's surface against a rigid body.
+struct Contact {
+  std::string name, body, rigid;
+  enum class Kind {
+    tie,          ///< surfaces that touch at the start move together, both ways
+    no_slip,      ///< unilateral; no sliding while in touch
+    frictionless  ///< unilateral; free sliding
+  } kind = Kind::tie;
+  double stiffness = 1000.0;  ///< penalty in units of E/h [-]
+};
+
+/// Change of the distance between two material points along the line that joins them at the start.
+struct Gauge {
+  std::string name;
+  Vec2 from, to;
+};
+
+enum class Quantity { stress_xx, stress_yy, stress_zz, stress_xy, strain_xx, strain_yy, strain_xy, displacement_x, displacement_y, damage };
+
+struct Probe {
+  std::string name;
+  Vec2 at;  ///< reference position
+  Quantity quantity = Quantity::stress_xx;
+};
+
+/// What drives the run.
+struct Control {
+  enum class Kind {
+    time,  ///< displacements and loads grow linearly in time from 0 to 1
+    gauge  ///< a gauge grows linearly to `target` at time 1, loads are scaled by an unknown factor
+  } kind = Kind::time;
+  std::string gauge;
+  double target = 0.0;  ///< [m]
+};
+
+struct Steps {
+  int count = 100;                ///< increments that cover time 0..1 when none is cut
+  bool adaptive = true;
+  double min_fraction = 1e-3;     ///< smallest step, as a fraction of 1/count
+  double max_fraction = 1.0;      ///< largest step, as a fraction of 1/count
+  double error_tolerance = 0.02;  ///< impl_ex: largest |damage used - damage| aimed at
+  int easy_iterations = 5;        ///< implicit: grow the step after fewer iterations than this
+};
+
+struct Solver {
+  Integration integration = Integration::implicit;
+  enum class SnapBack { stop, impl_ex } snap_back = SnapBack::stop;
+  double relative_tolerance = 1e-8;   ///< residual norm over the norm of the reactions and loads
+  double absolute_tolerance = 1e-10;  ///< of E h t, for unloaded bodies
+  int max_iterations = 25;
+  bool line_search = true;
+  double ghost_penalty = 0.0333333333333333333;  ///< in units of E; 0 switches it off
+  std::string petsc;                  ///< PETSc options, e.g. "-ksp_view -snes_monitor"
+};
+
+/// Which load and which displacement make the nominal curve.
+struct Nominal {
+  std::string load;          ///< name of a rigid body, boundary or pressure
+  std::string displacement;  ///< name of a rigid body, boundary or gauge
+  Vec2 direction = Vec2(0.0, -1.0);
+  double area = 1.0;    ///< nominal stress = reaction / area [m2]
+  double length = 1.0;  ///< nominal strain = imposed displacement / length [m]
+};
+
+struct Output {
+  int vtk_every = 0;      ///< steps between VTK files; 0: only first, peak and last
+  int frames = 20;        ///< with vtk_every = 0: evenly spaced files over the run
+  Nominal nominal;
+  std::vector<Gauge> gauges;
+  std::vector<Probe> probes;
+  std::vector<std::string> references;  ///< CSV reference curves for the report (resolved paths)
+};
+
+struct Case {
+  std::filesystem::path file;
+  std::string title;
+  Method method = Method::mpm;
+  Plane plane = Plane::strain;
+  Kinematics kinematics = Kinematics::finite;
+  double thickness = 1.0;
+  Vec2 gravity = Vec2::Zero();  ///< at time 1, linear in time [m/s2]
+  std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)
+  std::vector<Material> materials;
+  std::vector<Body> bodies;
+  std::vector<NodeBoundary> boundaries;
+  std::vector<Pin> pins;
+  std::vector<Pressure> pressures;
+  std::vector<Contact> contacts;
+  Control control;
+  Steps steps;
+  Solver solver;
+  Output output;
+  std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
+  std::vector<std::string> warnings;
+};
+
+}  // namespace berm
