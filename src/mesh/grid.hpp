@@ -15,7 +15,7 @@ struct StructuredGrid {
   Vec2 origin = Vec2::Zero();  ///< lower left corner before rotation [m]
   Vec2 cell_size = Vec2::Zero();
   int nx = 0, ny = 0;  ///< cells (a triangle grid has two triangles per cell)
-  double angle = 0.0;  ///< counter-clockwise rotation about the origin [rad]
+  double angle = 0.0;  ///< counter-clockwise rotation about the point (0, 0) [rad]
 };
 
 /// Finds cells. Structured grids by arithmetic, unstructured ones by a uniform bin table: both O(1) per point.
