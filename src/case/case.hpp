@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "law/all.hpp"
+#include "law/point_response.hpp"
 #include "mesh/gmsh.hpp"
 #include "mesh/grid.hpp"
 #include "mesh/region.hpp"
@@ -16,8 +17,6 @@
 namespace berm {
 
 enum class Method { mpm, fem };
-enum class Plane { strain, stress };
-enum class Kinematics { finite, small };
 
 /// Which part of the plane a boundary condition acts on: everything inside all the given limits.
 struct Where {

@@ -1,6 +1,8 @@
 #pragma once
 /// The list of laws. One line here and the case reader, the manual, the solvers and the law tests know the law.
 
+#include <cstddef>
+#include <utility>
 #include <variant>
 
 #include "law/linear_elastic.hpp"
@@ -9,5 +11,12 @@
 namespace berm {
 
 using AnyLaw = std::variant<LinearElastic, SimoJu>;
+
+/// Calls f with a default-constructed law of each type, in the order of the list.
+template <class F>
+void for_each_law(F&& f) {
+  [&f]<std::size_t... I>(std::index_sequence<I...>) { (f(std::variant_alternative_t<I, AnyLaw>{}), ...); }
+  (std::make_index_sequence<std::variant_size_v<AnyLaw>>{});
+}
 
 }  // namespace berm

@@ -63,7 +63,7 @@ concept Law = requires(const L law, const LawInput& in, const double* old_state,
   { L::n_state } -> std::convertible_to<int>;
   { L::parameters() } -> std::same_as<std::vector<Parameter<L>>>;
   { law.check(length) } -> std::convertible_to<std::string>;
-  { law.initial_state(new_state) };
+  {law.initial_state(new_state)};
   { law.update(in, old_state, new_state, out) } -> std::same_as<Status>;
 };
 
