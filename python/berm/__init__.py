@@ -1,0 +1,1 @@
+"""Reading, comparing and reporting the results of berm runs (docs/output.md)."""

@@ -1,0 +1,40 @@
+#pragma once
+/// A file being written: every failure (no such folder, no permission, disk full) is a RunError that names the file.
+
+#include <cstddef>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace berm {
+
+class OutputFile {
+public:
+  /// Creates or empties the file. Throws RunError if that is not possible.
+  explicit OutputFile(std::string path);
+
+  /// Throws RunError if the bytes cannot be written.
+  void write(std::string_view bytes);
+  /// Hands everything to the operating system, so that it outlives a killed run. Throws RunError.
+  void flush();
+  /// Closes the file; a full disk may show only here. Throws RunError. The destructor closes silently.
+  void close();
+
+  const std::string& path() const { return path_; }
+
+private:
+  [[noreturn]] void fail() const;
+
+  struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::string path_;
+  std::unique_ptr<std::FILE, Closer> file_;
+};
+
+/// Replaces the file as a whole: a reader, or a run killed half-way, sees the old or the new content, never a part of
+/// it. Throws RunError.
+void replace_file(const std::string& path, std::string_view content);
+
+}  // namespace berm

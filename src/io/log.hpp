@@ -1,0 +1,80 @@
+#pragma once
+/// What the user sees while a run goes on: messages and one line of progress. Both go to the terminal and to log.txt.
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/file.hpp"
+
+namespace berm {
+
+struct LogOptions {
+  std::string file;                    ///< log.txt; empty: no file
+  bool quiet = false;                  ///< only warnings reach the terminal
+  std::FILE* terminal = stdout;        ///< not owned
+  std::optional<bool> is_interactive;  ///< default: ask the operating system whether `terminal` is a terminal
+};
+
+class Log {
+public:
+  /// Throws RunError if the log file cannot be written.
+  explicit Log(const LogOptions& options);
+  ~Log();
+
+  void info(std::string_view message);
+  /// Shown even when quiet, with "warning: " in front.
+  void warning(std::string_view message);
+  /// To the log file only.
+  void detail(std::string_view message);
+
+  /// Replaces the line at the bottom of an interactive terminal; the next message removes it. Nothing elsewhere.
+  void status(std::string_view line);
+
+  bool interactive() const { return interactive_; }
+  bool quiet() const { return quiet_; }
+
+private:
+  void to_terminal(std::string_view line);
+  void to_file(std::string_view line);
+
+  std::FILE* terminal_;
+  bool quiet_, interactive_;
+  bool status_shown_ = false;
+  std::unique_ptr<OutputFile> file_;
+};
+
+/// Where a run is.
+struct ProgressState {
+  int step = 0;
+  double time = 0.0;  ///< 0 ... 1
+  double load = 0.0;  ///< reaction [N]
+  int newton_iterations = 0;
+  double residual = 0.0;  ///< relative [-]
+  long points = 0;
+};
+
+/// Interactive terminal: one line, renewed at most five times a second. Otherwise one plain line every 10 % of the run.
+class Progress {
+public:
+  using Clock = std::chrono::steady_clock;
+
+  explicit Progress(Log& log, Clock::time_point start = Clock::now());
+  /// Call after every converged step. `now` is an argument for the tests' sake.
+  void update(const ProgressState& state, Clock::time_point now = Clock::now());
+
+private:
+  Log& log_;
+  Clock::time_point start_;
+  std::optional<Clock::time_point> shown_;
+  int tenths_ = 0;
+  double point_steps_ = 0.0;
+};
+
+/// "47 s", "3 min 20 s", "2 h 5 min".
+std::string duration_text(double seconds);
+
+}  // namespace berm

@@ -1,0 +1,37 @@
+#pragma once
+/// summary.json: what a run was and what came out of it (docs/output.md).
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/tensor.hpp"
+
+namespace berm {
+
+struct Summary {
+  std::string title;
+  std::string method;     ///< "mpm" or "fem"
+  std::string case_file;  ///< as the user named it
+  std::string status;     ///< "running", "done", "stopped" (ended early on purpose) or "failed"
+  std::string reason;     ///< why it stopped or failed, empty otherwise
+  long dofs = 0;
+  long points = 0;
+  long steps = 0;
+  long cut_steps = 0;
+  long newton_iterations = 0;
+  double wall_seconds = 0.0;
+  double thickness = 1.0;  ///< of the plane model [m]
+  std::map<std::string, std::vector<std::vector<Vec2>>>
+      body_rings;                                       ///< outer rings and holes by body, at the start [m]
+  std::vector<std::string> references;                  ///< reference curves for the report, absolute paths
+  std::vector<std::pair<std::string, double>> metrics;  ///< "peak_load [N]" and so on; NaN: not defined
+};
+
+/// The JSON text. Numbers that JSON cannot hold (NaN, infinity) become null.
+std::string summary_json(const Summary& summary);
+/// Replaces the file as a whole. Throws RunError naming the file.
+void write_summary(const std::string& path, const Summary& summary);
+
+}  // namespace berm

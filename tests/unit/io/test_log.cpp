@@ -1,0 +1,90 @@
+#include <algorithm>
+
+#include "io/log.hpp"
+#include "temporary_folder.hpp"
+
+namespace berm {
+namespace {
+
+using std::chrono::milliseconds;
+
+class LogFile : public TemporaryFolder {
+protected:
+  /// What a "terminal" saw while `use` ran.
+  template <class Use>
+  std::string seen(bool interactive, bool quiet, Use use) {
+    std::FILE* terminal = std::fopen(path("terminal").c_str(), "wb");
+    {
+      Log log({path("log.txt"), quiet, terminal, interactive});
+      use(log);
+    }
+    std::fclose(terminal);
+    return content(path("terminal"));
+  }
+  std::string log_text() const { return content(path("log.txt")); }
+
+  static long lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+};
+
+TEST_F(LogFile, MessagesGoToBoth) {
+  const std::string terminal = seen(false, false, [](Log& log) {
+    log.info("one");
+    log.warning("two");
+    log.detail("three");
+    log.status("not a terminal");
+  });
+  EXPECT_EQ(terminal, "one\nwarning: two\n");
+  EXPECT_EQ(log_text(), "one\nwarning: two\nthree\n");
+}
+
+TEST_F(LogFile, QuietKeepsWarningsAndTheFile) {
+  const std::string terminal = seen(true, true, [](Log& log) {
+    log.info("one");
+    log.warning("two");
+    log.status("three");
+  });
+  EXPECT_EQ(terminal, "warning: two\n");
+  EXPECT_EQ(log_text(), "one\nwarning: two\n");
+}
+
+TEST_F(LogFile, MessageRemovesTheStatusLine) {
+  const std::string terminal = seen(true, false, [](Log& log) {
+    log.status("busy");
+    log.info("message");
+    log.info("another");
+  });
+  EXPECT_EQ(terminal, "\r\x1b[K\x1b[?7lbusy\x1b[?7h\r\x1b[Kmessage\nanother\n");
+}
+
+TEST_F(LogFile, PlainProgressIsOneLineEveryTenPercent) {
+  const std::string terminal = seen(false, false, [](Log& log) {
+    const auto start = Progress::Clock::now();
+    Progress progress(log, start);
+    for (int i = 0; i <= 300; ++i) progress.update({i, i / 300.0, 1e6, 3, 1e-9, 1000}, start + milliseconds(100 * i));
+  });
+  EXPECT_EQ(lines(terminal), 10);
+  EXPECT_EQ(terminal, log_text());
+  const std::string first = terminal.substr(0, terminal.find('\n'));
+  // Step 30 of 300 after 3 s: 31 updates of 1000 points, nine tenths of the run to go.
+  EXPECT_EQ(first,
+            "step    30   10.0 %  27 s left  load  1.0000e+06 N  iterations  3  residual 1.0e-09  1.03e+04 points/s");
+}
+
+TEST_F(LogFile, InteractiveProgressIsThrottled) {
+  const std::string terminal = seen(true, false, [](Log& log) {
+    const auto start = Progress::Clock::now();
+    Progress progress(log, start);
+    for (int i = 0; i < 1000; ++i) progress.update({i, i * 1e-5, 0.0, 1, 0.0, 1}, start + milliseconds(i));
+  });
+  EXPECT_EQ(std::count(terminal.begin(), terminal.end(), '\r'), 5);
+  EXPECT_EQ(lines(terminal), 1);  // the line end when the log closes
+}
+
+TEST(Duration, ReadsWell) {
+  EXPECT_EQ(duration_text(0.2), "1 s");
+  EXPECT_EQ(duration_text(200.0), "3 min 20 s");
+  EXPECT_EQ(duration_text(7500.0), "2 h 5 min");
+}
+
+}  // namespace
+}  // namespace berm
