@@ -57,7 +57,8 @@ public:
 
   /// The part of the convex polygon (counter-clockwise) inside the region. Area 0 if none.
   Piece clip(const std::vector<Vec2>& polygon) const;
-  /// For every polygon: 1 fully inside, 0 fully outside, -1 cut by the boundary. Fast: only the edges near a polygon are looked at.
+  /// For every polygon: 1 fully inside, 0 fully outside, -1 cut by the boundary. Fast: only the edges near a polygon
+  /// are looked at.
   std::vector<signed char> classify(const std::vector<std::vector<Vec2>>& polygons) const;
 
   /// The boundary in pieces no longer than `spacing`; corners are piece ends. True arcs get true normals.
