@@ -1,0 +1,265 @@
+"""The figures of the report. Each function returns a matplotlib figure."""
+
+import math
+from dataclasses import dataclass
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
+
+from berm.raster import nearest_points, paint  # noqa: E402
+
+DPI = 150
+RUN_COLOURS = ("#0b5394", "#c0504d", "#3a7d44", "#8e6bb0", "#b8860b", "#4f8a8b", "#7f4f24", "#5b5b5b")
+REFERENCE_STYLES = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
+FRACTURE = LinearSegmentedColormap.from_list("fracture", ["#f1efe9", "#f6c57b", "#d9502b", "#5c0a1d"])
+
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 8.5, "axes.titlesize": 9, "axes.labelsize": 8.5,
+    "axes.linewidth": 0.6, "axes.edgecolor": "#444444", "axes.grid": True, "axes.axisbelow": True,
+    "grid.color": "#e3e3e3", "grid.linewidth": 0.5, "lines.linewidth": 1.4, "legend.fontsize": 8,
+    "legend.frameon": False, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "figure.dpi": DPI,
+    "axes.spines.top": False, "axes.spines.right": False, "axes.formatter.useoffset": False,
+})  # fmt: skip
+
+SCALES = {
+    "Pa": ((1e9, "GPa"), (1e5, "MPa"), (1e2, "kPa"), (0.0, "Pa")),
+    "N": ((1e6, "MN"), (1e3, "kN"), (0.0, "N")),
+    "m": ((2.0, "m"), (1e-4, "mm"), (0.0, "µm")),
+    "J": ((1e4, "kJ"), (1.0, "J"), (0.0, "mJ")),
+}
+FACTORS = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0, "MN": 1e6, "kN": 1e3, "N": 1.0, "m": 1.0, "mm": 1e-3, "µm": 1e-6,
+           "kJ": 1e3, "J": 1.0, "mJ": 1e-3}  # fmt: skip
+
+
+def unit_for(base, largest):
+    """(factor, unit) that makes numbers up to `largest` readable: stress_in_MPa = stress / factor."""
+    for least, unit in SCALES[base]:
+        if largest >= least:
+            return FACTORS[unit], unit
+    return 1.0, base  # NaN
+
+
+def largest(arrays):
+    values = [np.nanmax(np.abs(a)) for a in arrays if a.size and np.isfinite(a).any()]
+    return max(values, default=0.0)
+
+
+@dataclass
+class Axis:
+    column: str
+    label: str
+    base: str  # unit in the history; "" for strains, shown in 1e-3
+
+
+STRESS_STRAIN = (Axis("nominal_strain", "Nominal strain", ""), Axis("nominal_stress", "Nominal stress", "Pa"))
+LOAD_DISPLACEMENT = (Axis("imposed_displacement", "Imposed displacement", "m"), Axis("reaction", "Load", "N"))
+
+
+def curve_figure(runs, labels, references, axes):
+    """Runs and reference curves in one diagram; None if no run has both columns with values."""
+    drawn = [(run, label, k) for k, (run, label) in enumerate(zip(runs, labels)) if all(a.column in run.history for a in axes)]
+    if not any(largest([run.history[a.column]]) > 0.0 for run, _, _ in drawn for a in axes[1:]):
+        return None
+    overlaid = [curve for curve in references if all(a.column in curve.columns for a in axes)]
+    factors, names = [], []
+    for axis in axes:
+        arrays = [run.history[axis.column] for run, _, _ in drawn] + [c.columns[axis.column] for c in overlaid]
+        factor, unit = unit_for(axis.base, largest(arrays)) if axis.base else (1e-3, "10⁻³")
+        factors.append(factor)
+        names.append(f"{axis.label} [{unit}]")
+    figure, plot = plt.subplots(figsize=(5.6, 3.9), layout="constrained")
+    for k, curve in enumerate(overlaid):
+        x, y = (curve.columns[a.column] / f for a, f in zip(axes, factors))
+        plot.plot(x, y, color="#222222", linestyle=REFERENCE_STYLES[k % len(REFERENCE_STYLES)], linewidth=1.1, label=curve.label,
+                  marker="o" if len(x) <= 30 else None, markersize=3, markerfacecolor="white", markeredgewidth=0.8)  # fmt: skip
+    for run, label, k in drawn:
+        x, y = (run.history[a.column] / f for a, f in zip(axes, factors))
+        colour = RUN_COLOURS[k % len(RUN_COLOURS)]
+        plot.plot(x, y, color=colour, label=label)
+        peak = run.peak_row()
+        if peak is not None:
+            plot.plot(x[peak], y[peak], "o", color=colour, markersize=4, markeredgecolor="white", markeredgewidth=0.6)
+    plot.set_xlabel(names[0])
+    plot.set_ylabel(names[1])
+    plot.axhline(0.0, color="#444444", linewidth=0.5)
+    plot.margins(x=0.02)
+    plot.legend(loc="best")
+    return figure
+
+
+ENERGIES = (("external_work", "External work", "#222222", "-"), ("elastic_energy", "Elastic", "#0b5394", "-"),
+            ("dissipated_energy", "Dissipated", "#c0504d", "-"))  # fmt: skip
+
+
+def energy_figure(runs, labels):
+    """Energies over time, a panel a run; None without energies."""
+    drawn = [(run, label) for run, label in zip(runs, labels) if all(c in run.history for c, *_ in ENERGIES)]
+    top = largest([run.history[c] for run, _ in drawn for c, *_ in ENERGIES])
+    if top == 0.0:
+        return None
+    factor, unit = unit_for("J", top)
+    columns = min(len(drawn), 3)
+    rows = math.ceil(len(drawn) / columns)
+    width = 5.6 if columns == 1 else 3.7 * columns
+    figure, panels = plt.subplots(rows, columns, figsize=(width, 3.3 * rows), sharex=True, sharey=True, squeeze=False, layout="constrained")
+    for panel, (run, label) in zip(panels.flat, drawn):
+        time = run.history["time"]
+        for column, name, colour, style in ENERGIES:
+            panel.plot(time, run.history[column] / factor, color=colour, linestyle=style, label=name)
+        inner = run.history["elastic_energy"] + run.history["dissipated_energy"]
+        panel.plot(time, inner / factor, color="#e69f00", linestyle=(0, (4, 2)), linewidth=1.2, label="Elastic + dissipated")
+        panel.set_title(label, loc="left")
+        panel.margins(x=0.01)
+    for panel in panels[-1]:
+        panel.set_xlabel("Time [s]")
+    for panel in panels[:, 0]:
+        panel.set_ylabel(f"Energy [{unit}]")
+    for panel in list(panels.flat)[len(drawn):]:
+        panel.set_visible(False)
+    panels[0, 0].legend(loc="best")
+    return figure
+
+
+@dataclass
+class Field:
+    """A map: its name, what to show of a frame, its unit in the file and its colours."""
+
+    name: str
+    label: str
+    base: str
+    kind: str  # "fraction" 0..1, "opening", "magnitude", "signed"
+    array: str
+    component: int | None = None  # -1: magnitude
+
+    def of(self, frame):
+        """Values at the points; None if the frame does not have them."""
+        values = frame.get(self.array)
+        if values is None:
+            return None
+        if self.component is None:
+            return np.asarray(values, dtype=float)
+        return np.linalg.norm(values, axis=1) if self.component == -1 else values[:, self.component]
+
+
+MAPS = (
+    Field("damage", "Damage", "", "fraction", "damage"),
+    Field("crack_opening", "Crack opening", "m", "opening", "crack_opening"),
+    Field("stress_xx", "Stress σxx", "Pa", "signed", "stress", 0),
+    Field("stress_yy", "Stress σyy", "Pa", "signed", "stress", 1),
+    Field("stress_xy", "Stress σxy", "Pa", "signed", "stress", 3),
+    Field("displacement", "Displacement", "m", "magnitude", "displacement", -1),
+)
+
+
+def colour_limits(kind, arrays):
+    """Common limits of all runs, robust against a few extreme points."""
+    if kind == "fraction":
+        return 0.0, 1.0
+    if kind == "signed":
+        limit = max(np.abs(np.nanpercentile(a, (1.0, 99.0))).max() for a in arrays)
+        limit = limit or largest(arrays)
+        return -limit, limit
+    if kind == "magnitude":
+        return 0.0, largest(arrays)
+    positive = [a[a > 0.0] for a in arrays if (a > 0.0).any()]
+    return 0.0, max((np.percentile(a, 99.5) for a in positive), default=0.0)
+
+
+class Scene:
+    """Where the points of one frame of one run are in the picture; shared by all its maps."""
+
+    def __init__(self, run, label, frame, scale):
+        self.run, self.label, self.frame = run, label, frame
+        shift = (scale - 1.0) * frame.get("displacement", np.zeros_like(frame["position"]))
+        self.x, self.y = (frame["position"] + shift)[:, :2].T
+        self.rings = [np.array(ring) for rings in run.summary.get("body_rings", {}).values() for ring in rings]
+        thickness = run.summary.get("thickness") or 1.0
+        if "volume" in frame:
+            self.side = np.sqrt(np.maximum(frame["volume"], 0.0) / thickness)
+        else:
+            self.side = np.full(len(self.x), np.sqrt(np.ptp(self.x) * np.ptp(self.y) / max(1, len(self.x))))
+        self.picture, self.extent = None, None
+
+    def bounds(self):
+        half = 0.5 * self.side
+        low = [np.array([(self.x - half).min(), (self.y - half).min()])] + [r.min(axis=0) for r in self.rings]
+        high = [np.array([(self.x + half).max(), (self.y + half).max()])] + [r.max(axis=0) for r in self.rings]
+        return np.min(low, axis=0), np.max(high, axis=0)
+
+    def render(self, low, high):
+        self.extent = (low[0], high[0], low[1], high[1])
+        self.picture = nearest_points(self.x, self.y, self.side, self.extent, pixel=max(high - low) / 900.0)
+
+
+def make_scenes(runs, labels, indices, scale):
+    """Scenes of the given frames with common bounds; runs without points are left out."""
+    scenes = [Scene(run, label, run.frame(i), scale) for run, label, i in zip(runs, labels, indices) if i is not None]
+    scenes = [s for s in scenes if len(s.x)]
+    if scenes:
+        bounds = [s.bounds() for s in scenes]
+        low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
+        margin = 0.03 * max(high - low)
+        for scene in scenes:
+            scene.render(low - margin, high + margin)
+    return scenes
+
+
+def map_figure(scenes, field, heading, notes):
+    """One field, runs side by side, one colour scale; None if no run has it."""
+    pairs = [(scene, note, field.of(scene.frame)) for scene, note in zip(scenes, notes)]
+    pairs = [(s, n, v) for s, n, v in pairs if v is not None]
+    if not pairs:
+        return None
+    arrays = [v for _, _, v in pairs]
+    low, high = colour_limits(field.kind, arrays)
+    factor, unit = unit_for(field.base, max(abs(low), abs(high))) if field.base else (1.0, "-")
+    if high <= low:
+        high = low + factor  # a field of zeros
+    columns, rows, size = _layout(pairs[0][0].extent, len(pairs))
+    figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
+    colours = {"fraction": FRACTURE, "opening": FRACTURE, "magnitude": "viridis", "signed": "RdBu_r"}
+    length_factor, length_unit = unit_for("m", max(np.abs(pairs[0][0].extent)))
+    for panel, (scene, note, values) in zip(panels.flat, pairs):
+        image = panel.imshow(paint(scene.picture, values) / factor, origin="lower", extent=np.divide(scene.extent, length_factor),
+                             vmin=low / factor, vmax=high / factor, cmap=colours[field.kind], aspect="equal")  # fmt: skip
+        for ring in scene.rings:
+            closed = np.vstack([ring, ring[:1]]) / length_factor
+            panel.plot(closed[:, 0], closed[:, 1], color="#333333", linewidth=0.5, alpha=0.7)
+        panel.grid(False)
+        panel.set_title(f"{scene.label}\n{note}", loc="left", fontsize=8)
+        panel.set_xlabel(f"x [{length_unit}]\n{span_text(values, factor, unit)}")
+        panel.locator_params(nbins=4, axis="x")
+    for panel in panels[:, 0]:
+        panel.set_ylabel(f"y [{length_unit}]")
+    for panel in list(panels.flat)[len(pairs):]:
+        panel.set_visible(False)
+    top, bottom = max(a.max() for a in arrays), min(a.min() for a in arrays)
+    extend = {(False, False): "neither", (True, False): "max", (False, True): "min", (True, True): "both"}[
+        (top > high * (1 + 1e-9), bottom < low * (1 + 1e-9) and low < 0.0)]  # fmt: skip
+    bar = figure.colorbar(image, ax=panels, extend=extend, shrink=0.85, pad=0.02, aspect=28)
+    bar.set_label(f"{field.label} [{unit}]")
+    bar.outline.set_linewidth(0.5)
+    figure.suptitle(f"{field.label}, {heading}", x=0.02, ha="left", fontsize=9.5, fontweight="bold")
+    return figure
+
+
+def span_text(values, factor, unit):
+    """The extremes of a map; what is a billionth of the larger one is zero."""
+    ends = np.array([values.min(), values.max()]) / factor
+    ends[np.abs(ends) < 1e-9 * np.abs(ends).max()] = 0.0
+    low, high = (f"{end:.4g}".replace("-", "−") for end in ends)
+    return f"{low} to {high}" + ("" if unit == "-" else f" {unit}")
+
+
+def _layout(extent, count):
+    """Columns, rows and figure size [inch] for `count` panels of that shape."""
+    width, height = extent[1] - extent[0], extent[3] - extent[2]
+    scale = min(4.2 / height, (6.5 if count == 1 else 4.6) / width)
+    panel_width, panel_height = max(1.5, scale * width), scale * height
+    columns = min(count, max(1, int(11.0 / (panel_width + 0.3))))
+    rows = math.ceil(count / columns)
+    return columns, rows, (columns * (panel_width + 0.3) + 1.4, rows * (panel_height + 0.8) + 0.4)

@@ -1,0 +1,282 @@
+"""report.html of one or several runs.
+
+    python3 -m berm.report OUT [OUT2 ...] [--out FILE] [--reference CSV] [--scale FACTOR] [--title TEXT]
+
+Writes FILE (default: report.html in the first folder), self-contained, and its pictures as PNG files next to it.
+Exit code 2: a folder is not the output of a run, or a file cannot be read.
+"""
+
+import argparse
+import base64
+import html
+import io
+import math
+import os
+import sys
+
+import numpy as np
+
+from berm.results import Curve, ResultError, Run, split_unit
+
+STYLE = """
+body { font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222; max-width: 1180px; margin: 2.2em auto; padding: 0 1.5em; }
+h1 { font-size: 1.5em; font-weight: 600; margin: 0 0 .2em; }
+h2 { font-size: 1.1em; font-weight: 600; margin: 2em 0 .6em; padding-bottom: .25em; border-bottom: 1px solid #ccc; }
+p.note, figcaption { color: #666; font-size: .88em; margin: .3em 0; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .93em; }
+th, td { padding: .22em 1.1em .22em 0; text-align: right; border-bottom: 1px solid #eee; vertical-align: top; }
+th:first-child, td:first-child { text-align: left; }
+thead th { border-bottom: 1px solid #888; }
+td.bad { color: #a61c1c; font-weight: 600; }
+.figures { display: flex; flex-wrap: wrap; gap: 1.2em; align-items: flex-start; }
+figure { margin: 0; max-width: 100%; }
+img { max-width: 100%; height: auto; }
+pre { background: #f6f6f4; padding: .8em 1em; overflow-x: auto; font-size: .85em; }
+"""
+
+
+def run_labels(runs):
+    """Short distinct names: the folder, or its path where folders share a name, and the method where the name hides it."""
+    names = [run.name for run in runs]
+    if len(set(names)) < len(names):
+        names = [os.path.normpath(run.path) for run in runs]
+    labels = []
+    for run, name in zip(runs, names):
+        method = run.summary.get("method", "")
+        labels.append(name if not method or method in name.lower() else f"{name} ({method.upper()})")
+    return labels
+
+
+def figure_text(value, unit):
+    """A number with four digits in a readable unit: 35230000, "Pa" -> "35.23 MPa"."""
+    from berm.figures import SCALES, unit_for
+
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return "–"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int) and unit in ("", "-"):
+        return f"{value:,}".replace(",", " ")
+    factor = 1.0
+    if unit in SCALES and value != 0:
+        factor, unit = unit_for(unit, abs(value))
+    text = f"{value / factor:.4g}"
+    return text if unit in ("", "-") else f"{text} {unit}"
+
+
+MODEL_ROWS = (("Method", "method"), ("Case", "case"), ("Status", "status"), ("Degrees of freedom", "dofs"), ("Points", "points"), ("Steps", "steps"),
+              ("Wall time [s]", "wall_seconds"))  # fmt: skip
+NAMES = {
+    "peak_stress": "Peak nominal stress", "peak_load": "Peak load", "displacement_at_peak": "Displacement at peak",
+    "stiffness_10_40": "Stiffness, 10–40 % of the peak", "dissipated_energy": "Dissipated energy", "energy_error": "Energy error",
+    "max_damage": "Largest damage", "stress_noise": "Stress noise", "cut_steps": "Cut steps", "newton_iterations": "Newton iterations",
+    "points_lost": "Points lost",
+}  # fmt: skip
+
+
+def metric_rows(runs):
+    """[(name, unit, values)]: metrics of summary.json, first those of NAMES in that order; then energies at the end."""
+    keys = []
+    for run in runs:
+        keys += [key for key in run.summary.get("metrics", {}) if key not in keys]
+    order = list(NAMES)
+    keys.sort(key=lambda k: order.index(split_unit(k)[0]) if split_unit(k)[0] in order else len(order))
+    rows = []
+    for key in keys:
+        name, unit = split_unit(key)
+        rows.append((NAMES.get(name, name.replace("_", " ")), unit, [run.summary.get("metrics", {}).get(key) for run in runs]))
+    for column, name in (("external_work", "External work at the end"), ("elastic_energy", "Elastic energy at the end")):
+        rows.append((name, "J", [float(run.history[column][-1]) if column in run.history else None for run in runs]))
+    return rows
+
+
+def difference_text(values):
+    a, b = values
+    if not all(isinstance(v, (int, float)) and math.isfinite(v) for v in values) or a == 0:
+        return "–"
+    return f"{100.0 * (b - a) / abs(a):+.2f} %"
+
+
+def table_html(runs, labels):
+    compare = len(runs) == 2
+    cell = lambda text, css="": f"<td{css}>{html.escape(text)}</td>"  # noqa: E731
+    head = "".join(f"<th>{html.escape(label)}</th>" for label in labels) + ("<th>Difference</th>" if compare else "")
+    rows = []
+    for name, key in MODEL_ROWS:
+        cells = []
+        for run in runs:
+            value = run.summary.get(key)
+            text = figure_text(value.upper() if key == "method" and value else value, "")
+            if key == "status" and run.summary.get("reason"):
+                text += f": {run.summary['reason']}"
+            bad = key == "status" and value not in ("done", "stopped")
+            cells.append(cell(text, ' class="bad"' if bad else ""))
+        rows.append((name, "".join(cells) + ("<td></td>" if compare else "")))
+    for name, unit, values in metric_rows(runs):
+        cells = "".join(cell(figure_text(v, unit)) for v in values)
+        rows.append((name, cells + (cell(difference_text(values)) if compare else "")))
+    body = "\n".join(f"<tr><td>{html.escape(name)}</td>{cells}</tr>" for name, cells in rows)
+    return f"<table><thead><tr><th></th>{head}</tr></thead><tbody>\n{body}\n</tbody></table>"
+
+
+class Pictures:
+    """Saves figures next to the report and embeds them."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def html(self, figure, name, alt, caption=""):
+        import matplotlib.pyplot as plt
+
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format="png")
+        width = round(figure.get_figwidth() * 96)
+        plt.close(figure)
+        with open(os.path.join(self.folder, f"{name}.png"), "wb") as file:
+            file.write(buffer.getvalue())
+        data = base64.b64encode(buffer.getvalue()).decode()
+        note = f"<figcaption>{caption}</figcaption>" if caption else ""
+        return f'<figure><img width="{width}" alt="{html.escape(alt)}" src="data:image/png;base64,{data}">{note}</figure>'
+
+
+def curves_html(runs, labels, references, pictures):
+    from berm.figures import LOAD_DISPLACEMENT, STRESS_STRAIN, curve_figure
+
+    parts = []
+    for name, alt, axes in (("stress_strain", "Nominal stress over nominal strain", STRESS_STRAIN),
+                            ("load_displacement", "Load over imposed displacement", LOAD_DISPLACEMENT)):  # fmt: skip
+        figure = curve_figure(runs, labels, references, axes)
+        if figure:
+            parts.append(pictures.html(figure, name, alt))
+    if not parts:
+        return ""
+    sources = "".join(f"<p class='note'>{html.escape(c.label)}: {html.escape(c.source or 'no source given')}</p>" for c in references)
+    note = "<p class='note'>Dots mark the largest nominal stress.</p>"
+    return f'<h2>Load curves</h2><div class="figures">{"".join(parts)}</div>{note}{sources}'
+
+
+def energies_html(runs, labels, pictures):
+    from berm.figures import energy_figure
+
+    figure = energy_figure(runs, labels)
+    if not figure:
+        return ""
+    note = "External work and the sum of elastic and dissipated energy coincide when the energy balance holds."
+    return f'<h2>Energies</h2><div class="figures">{pictures.html(figure, "energies", "Energies over time", note)}</div>'
+
+
+def frame_indices(runs):
+    """(at peak, last) frame numbers by run; None for runs without points; "at peak" is None if it is the last frame of all."""
+    last = [len(run.frames) - 1 if run.frames else None for run in runs]
+    peak = []
+    for run in runs:
+        row = run.peak_row()
+        peak.append(run.frame_at(run.history["time"][row]) if run.frames and row is not None else None)
+    return (None if all(p is None or p == l for p, l in zip(peak, last)) else peak), last
+
+
+def frame_note(scene):
+    """ "time 0.5 s, displacement 0.3 mm" of the frame, and how far the peak is."""
+    time, history = scene.frame["time"], scene.run.history
+    text = f"time {time:.4g} s"
+    if "imposed_displacement" in history and np.any(history["imposed_displacement"]):
+        displacement = np.interp(time, history["time"], history["imposed_displacement"])
+        text += f", u = {figure_text(float(displacement), 'm')}"
+    return text
+
+
+def maps_html(runs, labels, scale, pictures):
+    from berm.figures import MAPS, make_scenes, map_figure
+
+    peak, last = frame_indices(runs)
+    parts = []
+    for name, heading, indices in (("peak", "at the peak", peak), ("last", "last frame", last)):
+        if indices is None:
+            continue
+        scenes = make_scenes(runs, labels, indices, scale)
+        if not scenes:
+            continue
+        figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in MAPS]
+        images = "".join(pictures.html(f, f"{name}_{field.name}", f"{field.label} {heading}") for field, f in figures if f)
+        title = "Maps at the peak" if name == "peak" else "Maps of the last frame"
+        note = f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start. Stresses: tension positive, " \
+               "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."  # fmt: skip
+        if name == "peak":
+            note += " " + peak_note(scenes)
+        parts.append(f'<h2>{title}</h2><p class="note">{note}</p><div class="figures">{images}</div>')
+    return "".join(parts)
+
+
+def peak_note(scenes):
+    """Tells the reader that the frames closest to the peaks need not be the peaks."""
+    offs = [f"{s.label}: {s.run.history['time'][s.run.peak_row()]:.4g} s" for s in scenes]
+    return html.escape("Shown is the frame written closest to the peak (time of the peak: " + ", ".join(offs) + ").")
+
+
+def inputs_html(runs, labels):
+    parts = []
+    for run, label in zip(runs, labels):
+        for name, title in (("log.txt", "warnings"), ("case.toml", "case")):
+            path = os.path.join(run.path, name)
+            if not os.path.isfile(path):
+                continue
+            with open(path, encoding="utf-8", errors="replace") as file:
+                lines = file.read().splitlines()
+            if title == "warnings":
+                lines = [line for line in lines if line.startswith("warning: ")]
+            if lines:
+                text = html.escape("\n".join(lines))
+                parts.append(f"<details><summary>{html.escape(label)}: {title}</summary><pre>{text}</pre></details>")
+    return f"<h2>Input and warnings</h2>{''.join(parts)}" if parts else ""
+
+
+def write_report(paths, out=None, references=(), scale=1.0, title=None):
+    """Writes the report and returns its path. Raises ResultError for unusable folders and files."""
+    runs = [Run(path) for path in paths]
+    for run in runs:
+        if not len(run.history.get("time", ())):
+            raise ResultError(f"{run.path}/history.csv has no rows of time: the run ended before its first step")
+    labels = run_labels(runs)
+    files = list(references)
+    for run in runs:
+        files += [f for f in run.summary.get("references", []) if f not in files]
+    curves = [Curve(file) for file in files]
+    out = out or os.path.join(paths[0], "report.html")
+    pictures = Pictures(os.path.dirname(out) or ".")
+    title = title or runs[0].summary.get("title") or runs[0].name
+    try:
+        os.makedirs(pictures.folder, exist_ok=True)
+        content = "\n".join((
+            f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style></head><body>',
+            f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
+            curves_html(runs, labels, curves, pictures),
+            energies_html(runs, labels, pictures),
+            maps_html(runs, labels, scale, pictures),
+            inputs_html(runs, labels),
+            "</body></html>\n",
+        ))  # fmt: skip
+        with open(out, "w", encoding="utf-8") as file:
+            file.write(content)
+    except OSError as error:
+        raise ResultError(f"cannot write the report: {error}") from None
+    return out
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="berm report", description="Writes report.html of one or several runs.")
+    parser.add_argument("folders", nargs="+", metavar="OUT", help="output folder of a run")
+    parser.add_argument("--out", metavar="FILE", help="default: report.html in the first folder")
+    parser.add_argument("--reference", action="append", default=[], metavar="CSV", help="curve to overlay; may be repeated")
+    parser.add_argument("--scale", type=float, default=1.0, metavar="FACTOR", help="factor on displacements in maps (default 1)")
+    parser.add_argument("--title", help="default: the title of the first run")
+    options = parser.parse_args(arguments)
+    try:
+        print(write_report(options.folders, options.out, options.reference, options.scale, options.title))
+    except ResultError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

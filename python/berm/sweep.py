@@ -1,0 +1,154 @@
+"""Runs variants of cases and compares them.
+
+    python3 -m berm.sweep SWEEP.toml [--only NAME,NAME] [--berm PATH] [--out DIR] [--jobs N] [--short]
+
+The format of SWEEP.toml is in docs/output.md. Every variant runs in DIR/NAME (default: out/<name of the sweep file>).
+Prints the metrics of all, writes DIR/sweep.csv and DIR/report.html. Exit code 1: a variant failed; 2: the input is wrong.
+"""
+
+import argparse
+import concurrent.futures
+import csv
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+
+from berm.report import write_report
+from berm.results import ResultError, Run
+
+KEYS = {"case": str, "set": list, "short": list}
+
+
+def find_berm():
+    """The program: in the build folder of this source tree, else in PATH."""
+    built = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "release", "berm")
+    return os.path.normpath(built) if os.path.isfile(built) else shutil.which("berm")
+
+
+def read_sweep(path):
+    """(title, {name: {case, set, short}}), case paths resolved against the file."""
+    try:
+        with open(path, "rb") as file:
+            content = tomllib.load(file)
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise ResultError(f"cannot read {path}: {error}") from None
+    unknown = set(content) - {"title", "variant"}
+    if unknown:
+        raise ResultError(f"{path}: unknown key {sorted(unknown)[0]} (known: title, variant)")
+    variants = content.get("variant", {})
+    if not variants:
+        raise ResultError(f"{path}: no [variant.NAME]")
+    for name, variant in variants.items():
+        for key, value in variant.items():
+            if key not in KEYS:
+                raise ResultError(f"{path}: unknown key {key} in [variant.{name}] (known: {', '.join(KEYS)})")
+            if not isinstance(value, KEYS[key]) or (KEYS[key] is list and not all(isinstance(v, str) for v in value)):
+                kind = "a string" if KEYS[key] is str else "a list of strings"
+                raise ResultError(f"{path}: {key} in [variant.{name}] must be {kind}")
+        if "case" not in variant:
+            raise ResultError(f"{path}: [variant.{name}] has no case")
+        variant["case"] = os.path.join(os.path.dirname(path), variant["case"])
+    return content.get("title", os.path.basename(path)), variants
+
+
+def command(berm, variant, out, short):
+    arguments = [berm, "run", variant["case"], "--out", out]
+    for override in variant.get("set", []) + (variant.get("short", []) if short else []):
+        arguments += ["--set", override]
+    return arguments
+
+
+def run_variant(berm, variant, out, short):
+    """Runs one variant; returns "" or why it failed."""
+    shutil.rmtree(out, ignore_errors=True)
+    result = subprocess.run(command(berm, variant, out, short), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    if result.returncode != 0:
+        lines = [line for line in result.stderr.splitlines() if line.strip()]
+        return f"exit code {result.returncode}" + (f": {lines[-1]}" if lines else "")
+    try:
+        status, reason = (Run(out).summary.get(key, "") for key in ("status", "reason"))
+    except ResultError as error:
+        return str(error)
+    return f"status {status or 'missing'}: {reason}" if status not in ("done", "stopped") else ""
+
+
+def metrics_table(runs):
+    """(header, rows): one row a run, one column a metric of summary.json."""
+    keys = []
+    for run in runs.values():
+        keys += [key for key in run.summary.get("metrics", {}) if key not in keys]
+    header = ["variant", "status", *keys, "wall_seconds [s]"]
+    rows = []
+    for name, run in runs.items():
+        metrics = run.summary.get("metrics", {})
+        rows.append([name, run.summary.get("status", ""), *(metrics.get(key) for key in keys), run.summary.get("wall_seconds")])
+    return header, rows
+
+
+def print_table(header, rows):
+    """Metrics down, variants across: names of metrics are long and variants are few."""
+    text = lambda value: "-" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)  # noqa: E731
+    lines = [[header[k], *(text(row[k]) for row in rows)] for k in range(len(header))]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
+    for line in lines:
+        print("  ".join([line[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(line[1:], widths[1:]))]))
+
+
+def sweep(options):
+    title, variants = read_sweep(options.sweep)
+    if options.only:
+        wanted = options.only.split(",")
+        missing = [name for name in wanted if name not in variants]
+        if missing:
+            raise ResultError(f"{options.sweep}: no variant {missing[0]} (there are: {', '.join(variants)})")
+        variants = {name: variants[name] for name in wanted}
+    berm = options.berm or find_berm()
+    if not berm or not shutil.which(berm):
+        raise ResultError(f"cannot find the program {berm or 'berm'}: build it, or name it with --berm")
+    out = options.out or os.path.join("out", os.path.splitext(os.path.basename(options.sweep))[0])
+
+    failures, runs = {}, {}
+    with concurrent.futures.ThreadPoolExecutor(max_workers=options.jobs) as pool:
+        jobs = {name: pool.submit(run_variant, berm, v, os.path.join(out, name), options.short) for name, v in variants.items()}
+        for name, job in jobs.items():
+            reason = job.result()
+            print(f"{name}: {'failed, ' + reason if reason else 'done'}", flush=True)
+            if reason:
+                failures[name] = reason
+            else:
+                runs[name] = Run(os.path.join(out, name))
+    if runs:
+        header, rows = metrics_table(runs)
+        print()
+        print_table(header, rows)
+        with open(os.path.join(out, "sweep.csv"), "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([header, *(["nan" if v is None else v for v in row] for row in rows)])
+        print()
+        print(write_report([run.path for run in runs.values()], os.path.join(out, "report.html"), title=title))
+    for name, reason in failures.items():
+        print(f"error: {name} failed: {reason}", file=sys.stderr)
+    return 1 if failures else 0
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="berm sweep", description="Runs variants of cases and compares them.")
+    parser.add_argument("sweep", metavar="SWEEP.toml")
+    parser.add_argument("--only", metavar="NAME,NAME", help="these variants only")
+    parser.add_argument("--berm", metavar="PATH", help="the program (default: build/release/berm of the source tree, else from PATH)")
+    parser.add_argument("--out", metavar="DIR", help="default: out/<name of the sweep file>")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="variants at the same time (default 1)")
+    parser.add_argument("--short", action="store_true", help="apply the `short` overrides of the variants")
+    options = parser.parse_args(arguments)
+    if options.jobs < 1:
+        parser.error("--jobs must be at least 1")
+    try:
+        return sweep(options)
+    except ResultError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,197 @@
+import base64
+import contextlib
+import html.parser
+import io
+import json
+import os
+import tempfile
+import unittest
+
+import numpy as np
+import synthetic
+
+from berm import report
+from berm.figures import MAPS, colour_limits, make_scenes, unit_for
+from berm.raster import nearest_points, paint
+from berm.results import Run
+
+
+class Page(html.parser.HTMLParser):
+    """Collects what the tests ask about a report."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.images, self.cells, self.outside, self.open = {}, [], [], []
+        with open(path, encoding="utf-8") as file:
+            self.feed(file.read())
+
+    def handle_starttag(self, tag, attrs):
+        attrs = dict(attrs)
+        if tag == "img":
+            self.images[attrs["alt"]] = attrs["src"]
+        self.outside += [v for k, v in attrs.items() if k in ("src", "href") and not v.startswith("data:")]
+        if tag not in ("img", "meta"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        if self.open.pop() != tag:
+            raise AssertionError(f"misplaced </{tag}>")
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("td", "th"):
+            self.cells.append(data)
+
+
+def run_main(*arguments):
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        code = report.main(list(arguments))
+    return code, out.getvalue(), err.getvalue()
+
+
+class ReportOfTwoRuns(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        reference = synthetic.write_reference(os.path.join(cls.folder.name, "reference.csv"))
+        cls.mpm = synthetic.write_run(os.path.join(cls.folder.name, "mpm"), cell=0.03, steps=50, references=[reference])
+        cls.fem = synthetic.write_run(os.path.join(cls.folder.name, "second"), "fem", 1.02, cell=0.03, steps=50)
+        with open(os.path.join(cls.mpm, "log.txt"), "w", encoding="utf-8") as file:
+            file.write("step 1\nwarning: 3 cells are <barely> filled\n")
+        cls.code, cls.printed, cls.errors = run_main(cls.mpm, cls.fem)
+        cls.page = Page(os.path.join(cls.mpm, "report.html"))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_succeeds_and_prints_the_path(self):
+        self.assertEqual((self.code, self.errors), (0, ""))
+        self.assertEqual(self.printed.strip(), os.path.join(self.mpm, "report.html"))
+
+    def test_is_self_contained_and_well_formed(self):
+        self.assertEqual(self.page.outside, [])
+        self.assertEqual(self.page.open, [])
+
+    def test_every_picture_is_there_and_saved(self):
+        maps = [f"{frame}_{field.name}.png" for frame in ("peak", "last") for field in MAPS]
+        for name in ["stress_strain.png", "load_displacement.png", "energies.png", *maps]:
+            with self.subTest(name), open(os.path.join(self.mpm, name), "rb") as file:
+                embedded = "data:image/png;base64," + base64.b64encode(file.read()).decode()
+                self.assertIn(embedded, self.page.images.values())
+        self.assertEqual(len(self.page.images), 15)
+
+    def test_table_compares(self):
+        cells = self.page.cells
+        self.assertIn("mpm", cells)
+        self.assertIn("second (FEM)", cells)
+        row = cells.index("Peak load")
+        self.assertTrue(cells[row + 1].endswith(" MN"))
+        self.assertEqual(cells[row + 3], "+2.00 %")
+        noise = cells.index("Stress noise")
+        self.assertEqual(cells[noise + 1 : noise + 4], ["–", "–", "–"])
+
+    def test_text_is_escaped_and_sourced(self):
+        with open(os.path.join(self.mpm, "report.html"), encoding="utf-8") as file:
+            text = file.read()
+        self.assertIn("&lt;0.15 x 0.30 m&gt;", text)
+        self.assertIn("a made-up test, figure 3", text)
+        self.assertIn("warning: 3 cells are &lt;barely&gt; filled", text)
+        self.assertNotIn("step 1", text)
+
+
+class ReportCorners(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = os.path.join(self.folder.name, "run")
+
+    def test_folder_without_history(self):
+        code, _, errors = run_main(self.folder.name)
+        self.assertEqual(code, 2)
+        self.assertIn("holds no history.csv", errors)
+        self.assertIn(self.folder.name, errors)
+
+    def test_missing_reference(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10)
+        code, _, errors = run_main(self.path, "--reference", "nowhere.csv")
+        self.assertEqual(code, 2)
+        self.assertIn("nowhere.csv", errors)
+
+    def test_killed_run_without_summary_points_and_load(self):
+        os.makedirs(self.path)
+        with open(os.path.join(self.path, "history.csv"), "w", encoding="utf-8") as file:
+            file.write("step [-],time [s],nominal_stress [Pa],nominal_strain [-]\n0,0,0,0\n1,0.1,0,0\n2,0.")
+        code, _, errors = run_main(self.path)
+        self.assertEqual((code, errors), (0, ""))
+        self.assertEqual(Page(os.path.join(self.path, "report.html")).images, {})
+
+    def test_history_without_rows(self):
+        os.makedirs(self.path)
+        with open(os.path.join(self.path, "history.csv"), "w", encoding="utf-8") as file:
+            file.write("step [-],time [s]\n")
+        code, _, errors = run_main(self.path)
+        self.assertEqual(code, 2)
+        self.assertIn("no rows", errors)
+
+    def test_failed_run_shows_its_reason(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
+        file_name = os.path.join(self.path, "summary.json")
+        with open(file_name, encoding="utf-8") as file:
+            summary = json.load(file)
+        summary.update(status="failed", reason="step cut to nothing")
+        with open(file_name, "w", encoding="utf-8") as file:
+            json.dump(summary, file)
+        out = os.path.join(self.folder.name, "elsewhere", "r.html")
+        self.assertEqual(run_main(self.path, "--out", out, "--scale", "20")[0], 0)
+        self.assertIn("failed: step cut to nothing", Page(out).cells)
+        self.assertTrue(os.path.isfile(os.path.join(self.folder.name, "elsewhere", "last_damage.png")))
+
+
+class Maps(unittest.TestCase):
+    def test_outliers_do_not_set_the_colours(self):
+        values = np.concatenate([np.linspace(-2e6, 1e6, 1000), [1e9]])
+        low, high = colour_limits("signed", [values])
+        self.assertEqual(low, -high)
+        self.assertAlmostEqual(high, 2e6, delta=0.05e6)
+
+    def test_colours_are_common_to_the_runs(self):
+        self.assertEqual(colour_limits("magnitude", [np.array([0.1]), np.array([0.4])]), (0.0, 0.4))
+        self.assertEqual(colour_limits("fraction", [np.array([0.1])]), (0.0, 1.0))
+        self.assertEqual(colour_limits("opening", [np.zeros(5)]), (0.0, 0.0))
+
+    def test_units(self):
+        self.assertEqual(unit_for("Pa", 35e6), (1e6, "MPa"))
+        self.assertEqual(unit_for("m", 2.85e-4), (1e-3, "mm"))
+        self.assertEqual(unit_for("N", 5.3e6), (1e6, "MN"))
+
+    def test_gauss_points_leave_no_seams(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(synthetic.write_run(os.path.join(folder, "mpm"), cell=0.01, steps=10, frames=2))
+            scene = make_scenes([run], ["mpm"], [0], 1.0)[0]
+        x0, x1, y0, y1 = scene.extent
+        rows, cols = scene.picture.shape
+        x = x0 + (np.arange(cols) + 0.5) * (x1 - x0) / cols
+        y = y0 + (np.arange(rows) + 0.5) * (y1 - y0) / rows
+        inside = np.logical_and.outer((y > 0.001) & (y < 0.299), np.abs(x) < 0.074)
+        self.assertTrue((scene.picture[inside] >= 0).all())
+        outside = np.logical_or.outer((y < -0.002) | (y > 0.302), np.abs(x) > 0.077)
+        self.assertTrue((scene.picture[outside] == -1).all())
+
+    def test_pixel_takes_its_nearest_point(self):
+        x, y = np.array([0.5, 1.5, 9.5]), np.array([0.5, 0.5, 0.5])
+        picture = nearest_points(x, y, np.ones(3), (0.0, 4.0, 0.0, 1.0), 0.25)
+        np.testing.assert_array_equal(picture[0], [0, 0, 0, 0, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1, -1, -1])
+        painted = paint(picture, np.array([5.0, 7.0, 0.0]))
+        self.assertEqual((painted[0, 0], painted[0, 5]), (5.0, 7.0))
+        self.assertTrue(painted.mask[0, 10])
+
+    def test_scale_moves_the_points(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(synthetic.write_run(os.path.join(folder, "mpm"), cell=0.03, steps=10, frames=2))
+            once, scaled = (make_scenes([run], ["mpm"], [-1], s)[0] for s in (1.0, 101.0))
+        np.testing.assert_allclose(scaled.y - once.y, 100.0 * once.frame["displacement"][:, 1])
+
+
+if __name__ == "__main__":
+    unittest.main()
