@@ -40,15 +40,14 @@ inline Softened exponential_softening(double r, double r0, double a) {
 }
 
 /// What the driver asks of a law besides the interface of law.hpp:
-///   static constexpr int n_weights;  Scratch;
+///   static constexpr int n_weights;  number of weights in the state
+///   Scratch                          what `measure` hands on to the two below
 ///   double threshold() const;
 ///   bool softens(length) const;      false: no softening modulus exists for that length
-///   double measure(strain, s, two_y, r_old, Scratch&) const;  may return any value <= r_old if that bounds the measure
-///   Voigt measure_gradient(strain, s, const Scratch&) const;  d measure / d strain, stress-like components
-///   Softened soften(r, length, const double* weights) const;
-/// and with n_weights > 0:
-///   void weights(Scratch&, double* weights) const;
-///   Voigt weight_gradient(r, length, const Scratch&) const;   d damage / d strain at constant r
+///   double measure(strain, s, two_y, r_old, Scratch&) const;  may return r_old as soon as a bound shows measure <=
+///   r_old Softened soften(r, length, const double* weights) const; Voigt damage_gradient(const LawInput&, s, Softened,
+///   const Scratch&) const;  d damage / d strain, stress-like
+/// and with n_weights > 0: void weights(Scratch&, double* weights) const.
 template <class L>
 void initial_damage_state(const L& law, double* state) {
   std::fill(state, state + L::n_state, 0.0);
@@ -72,7 +71,8 @@ inline void set_energies(double y, double used, const double* old_state, LawOutp
   out.dissipated = 0.5 * (old_state[energy] + y) * (used - old_state[damage_state::used]);
 }
 
-/// The update of law.hpp for an isotropic damage law.
+/// The update of law.hpp for an isotropic damage law. Status not_admissible: the strain is not finite, or the point
+/// would soften with a crack-band length that `check` refuses.
 template <class L>
 Status update_isotropic_damage(const L& law, const LawInput& in, const double* old_state, double* new_state,
                                LawOutput& out) {
@@ -80,6 +80,7 @@ Status update_isotropic_damage(const L& law, const LawInput& in, const double* o
   const Lame c = law.lame();
   const Voigt s = c.stress(in.strain);
   const double two_y = in.strain.dot(s);
+  if (!std::isfinite(two_y)) return Status::not_admissible;
 
   typename L::Scratch scratch;
   const double r_old = old_state[r];
@@ -104,9 +105,7 @@ Status update_isotropic_damage(const L& law, const LawInput& in, const double* o
   if (in.want_tangent) {
     c.stiffness(1.0 - d_used, out.tangent);
     if (grows && in.integration == Integration::implicit) {  // eq. (10)
-      Voigt gradient = now.slope * law.measure_gradient(in.strain, s, scratch);
-      if constexpr (L::n_weights > 0) gradient += law.weight_gradient(r_new, in.length, scratch);
-      out.tangent.noalias() -= s * gradient.transpose();
+      out.tangent.noalias() -= s * law.damage_gradient(in, s, now, scratch).transpose();
     }
   }
 

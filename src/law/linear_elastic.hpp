@@ -1,6 +1,7 @@
 #pragma once
 /// Isotropic linear elasticity (Hooke). With Hencky strain and Kirchhoff stress: Hencky's hyperelastic solid.
 
+#include <cmath>
 #include <string>
 
 #include "law/elasticity.hpp"
@@ -24,7 +25,7 @@ struct LinearElastic : IsotropicElastic {
     if (in.want_tangent) c.stiffness(1.0, out.tangent);
     out.stored_energy = 0.5 * in.strain.dot(out.stress);
     out.damage = out.dissipated = out.extrapolation_error = 0.0;
-    return Status::ok;
+    return std::isfinite(out.stored_energy) ? Status::ok : Status::not_admissible;
   }
 };
 

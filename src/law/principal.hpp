@@ -12,6 +12,7 @@ namespace berm {
 /// of the 2x2 block, value[2] = t_zz; else by Eigen's iterative solver. The order of the values is not sorted.
 class Principal {
 public:
+  Principal() = default;
   /// t in tensor components (shear not doubled), Voigt order.
   explicit Principal(const Voigt& t) : plane_(t[YZ] == 0.0 && t[ZX] == 0.0) {
     if (!plane_) {

@@ -52,11 +52,11 @@ struct SimoJu : ExponentialDamage {
   }
 
   /// eq. (22); the projector over positive principal stresses is the derivative of sum <s_i>, eq. (21).
-  Voigt measure_gradient(const Voigt&, const Voigt& s, const Scratch& w) const {
+  Voigt damage_gradient(const LawInput&, const Voigt& s, const Softened& now, const Scratch& w) const {
     Voigt theta = -(2.0 * w.tension - w.absolute) * w.projector;  // d theta / d s, times (sum |s_i|)^2
     theta.head<3>().array() += w.tension;
     const double f = (1.0 - 1.0 / strength_ratio) * w.root / (w.absolute * w.absolute);
-    return w.weight / w.root * s + f * lame().contract(theta);
+    return now.slope * (w.weight / w.root * s + f * lame().contract(theta));
   }
 
   Softened soften(double r, double length, const double*) const {
