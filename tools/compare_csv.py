@@ -3,8 +3,8 @@
 
     compare_csv.py RUN expected.csv
 
-The quantities of expected.csv are described in docs/output.md. Prints a table. Exit code 1: a value is off; 2: a file is
-missing or wrong.
+The quantities of expected.csv are described in docs/output.md. Prints a table.
+Exit code 1: a value is off; 2: a file is missing or wrong.
 """
 
 import argparse
@@ -56,7 +56,10 @@ def quantity(run, text):
         return float(np.interp(time, times, column(run, name)))
     metrics = run.summary.get("metrics", {})
     if not any(text in (key, key.split(" [")[0]) for key in metrics):
-        raise ResultError(f"{text} is neither a metric of {run.path}/summary.json ({', '.join(metrics)}) nor history:, max:, last:, max_before_peak:")
+        raise ResultError(
+            f"{text} is neither a metric of {run.path}/summary.json ({', '.join(metrics)}) "
+            "nor history:, max:, last:, max_before_peak:"
+        )
     value = run.metric(text)
     return math.nan if value is None else float(value)
 
@@ -74,7 +77,9 @@ def read_expected(path):
     expected = []
     for row in rows:
         if None in row or None in row.values():
-            raise ResultError(f"{path}: {row['quantity']}: every row needs {len(COLUMNS)} cells (quote a source that has commas)")
+            raise ResultError(
+                f"{path}: {row['quantity']}: every row needs {len(COLUMNS)} cells (quote a source that has commas)"
+            )
         try:
             value, tolerance = float(row["value"]), float(row["tolerance"])
         except ValueError:
@@ -100,7 +105,9 @@ def compare(run, expected):
             deviation = deviation / abs(value) if value else math.copysign(math.inf, deviation) if deviation else 0.0
         within = abs(deviation) <= tolerance  # false for NaN
         good = good and within
-        print(f"{name:40} {actual:14.7g} {value:14.7g} {deviation:+11.3e} {tolerance:11.3e}  {'ok' if within else 'OFF'}")
+        print(
+            f"{name:40} {actual:14.7g} {value:14.7g} {deviation:+11.3e} {tolerance:11.3e}  {'ok' if within else 'OFF'}"
+        )
     return good
 
 

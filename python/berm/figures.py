@@ -17,13 +17,29 @@ RUN_COLOURS = ("#0b5394", "#c0504d", "#3a7d44", "#8e6bb0", "#b8860b", "#4f8a8b",
 REFERENCE_STYLES = ("--", ":", "-.", (0, (5, 1, 1, 1, 1, 1)))
 FRACTURE = LinearSegmentedColormap.from_list("fracture", ["#f1efe9", "#f6c57b", "#d9502b", "#5c0a1d"])
 
-plt.rcParams.update({
-    "font.family": "DejaVu Sans", "font.size": 8.5, "axes.titlesize": 9, "axes.labelsize": 8.5,
-    "axes.linewidth": 0.6, "axes.edgecolor": "#444444", "axes.grid": True, "axes.axisbelow": True,
-    "grid.color": "#e3e3e3", "grid.linewidth": 0.5, "lines.linewidth": 1.4, "legend.fontsize": 8,
-    "legend.frameon": False, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "figure.dpi": DPI,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.formatter.useoffset": False,
-})  # fmt: skip
+plt.rcParams.update(
+    {
+        "font.family": "DejaVu Sans",
+        "font.size": 8.5,
+        "axes.titlesize": 9,
+        "axes.labelsize": 8.5,
+        "axes.linewidth": 0.6,
+        "axes.edgecolor": "#444444",
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "grid.color": "#e3e3e3",
+        "grid.linewidth": 0.5,
+        "lines.linewidth": 1.4,
+        "legend.fontsize": 8,
+        "legend.frameon": False,
+        "xtick.major.width": 0.6,
+        "ytick.major.width": 0.6,
+        "figure.dpi": DPI,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.formatter.useoffset": False,
+    }
+)
 
 SCALES = {
     "Pa": ((1e9, "GPa"), (1e5, "MPa"), (1e2, "kPa"), (0.0, "Pa")),
@@ -31,8 +47,21 @@ SCALES = {
     "m": ((2.0, "m"), (1e-4, "mm"), (0.0, "µm")),
     "J": ((1e4, "kJ"), (1.0, "J"), (0.0, "mJ")),
 }
-FACTORS = {"GPa": 1e9, "MPa": 1e6, "kPa": 1e3, "Pa": 1.0, "MN": 1e6, "kN": 1e3, "N": 1.0, "m": 1.0, "mm": 1e-3, "µm": 1e-6,
-           "kJ": 1e3, "J": 1.0, "mJ": 1e-3}  # fmt: skip
+FACTORS = {
+    "GPa": 1e9,
+    "MPa": 1e6,
+    "kPa": 1e3,
+    "Pa": 1.0,
+    "MN": 1e6,
+    "kN": 1e3,
+    "N": 1.0,
+    "m": 1.0,
+    "mm": 1e-3,
+    "µm": 1e-6,
+    "kJ": 1e3,
+    "J": 1.0,
+    "mJ": 1e-3,
+}
 
 
 def unit_for(base, largest):
@@ -61,7 +90,11 @@ LOAD_DISPLACEMENT = (Axis("imposed_displacement", "Imposed displacement", "m"), 
 
 def curve_figure(runs, labels, references, axes):
     """Runs and reference curves in one diagram; None if no run has both columns with values."""
-    drawn = [(run, label, k) for k, (run, label) in enumerate(zip(runs, labels)) if all(a.column in run.history for a in axes)]
+    drawn = [
+        (run, label, k)
+        for k, (run, label) in enumerate(zip(runs, labels))
+        if all(a.column in run.history for a in axes)
+    ]
     if not any(largest([run.history[a.column]]) > 0.0 for run, _, _ in drawn for a in axes[1:]):
         return None
     overlaid = [curve for curve in references if all(a.column in curve.columns for a in axes)]
@@ -74,8 +107,18 @@ def curve_figure(runs, labels, references, axes):
     figure, plot = plt.subplots(figsize=(5.6, 3.9), layout="constrained")
     for k, curve in enumerate(overlaid):
         x, y = (curve.columns[a.column] / f for a, f in zip(axes, factors))
-        plot.plot(x, y, color="#222222", linestyle=REFERENCE_STYLES[k % len(REFERENCE_STYLES)], linewidth=1.1, label=curve.label,
-                  marker="o" if len(x) <= 30 else None, markersize=3, markerfacecolor="white", markeredgewidth=0.8)  # fmt: skip
+        plot.plot(
+            x,
+            y,
+            color="#222222",
+            linestyle=REFERENCE_STYLES[k % len(REFERENCE_STYLES)],
+            linewidth=1.1,
+            label=curve.label,
+            marker="o" if len(x) <= 30 else None,
+            markersize=3,
+            markerfacecolor="white",
+            markeredgewidth=0.8,
+        )
     for run, label, k in drawn:
         x, y = (run.history[a.column] / f for a, f in zip(axes, factors))
         colour = RUN_COLOURS[k % len(RUN_COLOURS)]
@@ -91,8 +134,11 @@ def curve_figure(runs, labels, references, axes):
     return figure
 
 
-ENERGIES = (("external_work", "External work", "#222222", "-"), ("elastic_energy", "Elastic", "#0b5394", "-"),
-            ("dissipated_energy", "Dissipated", "#c0504d", "-"))  # fmt: skip
+ENERGIES = (
+    ("external_work", "External work", "#222222", "-"),
+    ("elastic_energy", "Elastic", "#0b5394", "-"),
+    ("dissipated_energy", "Dissipated", "#c0504d", "-"),
+)
 
 
 def energy_figure(runs, labels):
@@ -105,21 +151,26 @@ def energy_figure(runs, labels):
     columns = min(len(drawn), 3)
     rows = math.ceil(len(drawn) / columns)
     width = 5.6 if columns == 1 else 3.7 * columns
-    figure, panels = plt.subplots(rows, columns, figsize=(width, 3.3 * rows), sharex=True, sharey=True, squeeze=False, layout="constrained")
+    figure, panels = plt.subplots(
+        rows, columns, figsize=(width, 3.3 * rows), sharex=True, sharey=True, squeeze=False, layout="constrained"
+    )
     for panel, (run, label) in zip(panels.flat, drawn):
         time = run.history["time"]
         for column, name, colour, style in ENERGIES:
             panel.plot(time, run.history[column] / factor, color=colour, linestyle=style, label=name)
         inner = run.history["elastic_energy"] + run.history["dissipated_energy"]
-        panel.plot(time, inner / factor, color="#e69f00", linestyle=(0, (4, 2)), linewidth=1.2, label="Elastic + dissipated")
+        panel.plot(
+            time, inner / factor, color="#e69f00", linestyle=(0, (4, 2)), linewidth=1.2, label="Elastic + dissipated"
+        )
         panel.set_title(label, loc="left")
         panel.margins(x=0.01)
-    for panel in panels[-1]:
+    for panel in list(panels.flat)[len(drawn) :]:
+        panel.set_visible(False)
+    for panel in list(panels.flat)[max(0, len(drawn) - columns) : len(drawn)]:  # nothing below
         panel.set_xlabel("Time [s]")
+        panel.tick_params(labelbottom=True)
     for panel in panels[:, 0]:
         panel.set_ylabel(f"Energy [{unit}]")
-    for panel in list(panels.flat)[len(drawn):]:
-        panel.set_visible(False)
     panels[0, 0].legend(loc="best")
     return figure
 
@@ -219,13 +270,19 @@ def map_figure(scenes, field, heading, notes):
     factor, unit = unit_for(field.base, max(abs(low), abs(high))) if field.base else (1.0, "-")
     if high <= low:
         high = low + factor  # a field of zeros
-    columns, rows, size = _layout(pairs[0][0].extent, len(pairs))
-    figure, panels = plt.subplots(rows, columns, figsize=size, sharex=True, sharey=True, squeeze=False, layout="constrained")
+    figure, panels, bar_axes = _panels(pairs[0][0].extent, len(pairs))
     colours = {"fraction": FRACTURE, "opening": FRACTURE, "magnitude": "viridis", "signed": "RdBu_r"}
     length_factor, length_unit = unit_for("m", max(np.abs(pairs[0][0].extent)))
-    for panel, (scene, note, values) in zip(panels.flat, pairs):
-        image = panel.imshow(paint(scene.picture, values) / factor, origin="lower", extent=np.divide(scene.extent, length_factor),
-                             vmin=low / factor, vmax=high / factor, cmap=colours[field.kind], aspect="equal")  # fmt: skip
+    for panel, (scene, note, values) in zip(panels, pairs):
+        image = panel.imshow(
+            paint(scene.picture, values) / factor,
+            origin="lower",
+            extent=np.divide(scene.extent, length_factor),
+            vmin=low / factor,
+            vmax=high / factor,
+            cmap=colours[field.kind],
+            aspect="equal",
+        )
         for ring in scene.rings:
             closed = np.vstack([ring, ring[:1]]) / length_factor
             panel.plot(closed[:, 0], closed[:, 1], color="#333333", linewidth=0.5, alpha=0.7)
@@ -233,17 +290,23 @@ def map_figure(scenes, field, heading, notes):
         panel.set_title(f"{scene.label}\n{note}", loc="left", fontsize=8)
         panel.set_xlabel(f"x [{length_unit}]\n{span_text(values, factor, unit)}")
         panel.locator_params(nbins=4, axis="x")
-    for panel in panels[:, 0]:
-        panel.set_ylabel(f"y [{length_unit}]")
-    for panel in list(panels.flat)[len(pairs):]:
-        panel.set_visible(False)
+        if panel.get_ylabel():
+            panel.set_ylabel(f"y [{length_unit}]")
     top, bottom = max(a.max() for a in arrays), min(a.min() for a in arrays)
     extend = {(False, False): "neither", (True, False): "max", (False, True): "min", (True, True): "both"}[
-        (top > high * (1 + 1e-9), bottom < low * (1 + 1e-9) and low < 0.0)]  # fmt: skip
-    bar = figure.colorbar(image, ax=panels, extend=extend, shrink=0.85, pad=0.02, aspect=28)
+        (top > high * (1 + 1e-9), bottom < low * (1 + 1e-9) and low < 0.0)
+    ]
+    bar = figure.colorbar(image, cax=bar_axes, extend=extend)
     bar.set_label(f"{field.label} [{unit}]")
     bar.outline.set_linewidth(0.5)
-    figure.suptitle(f"{field.label}, {heading}", x=0.02, ha="left", fontsize=9.5, fontweight="bold")
+    figure.text(
+        LEFT / figure.get_figwidth(),
+        1.0 - 0.08 / figure.get_figheight(),
+        f"{field.label}, {heading}",
+        va="top",
+        fontsize=9.5,
+        fontweight="bold",
+    )
     return figure
 
 
@@ -255,11 +318,34 @@ def span_text(values, factor, unit):
     return f"{low} to {high}" + ("" if unit == "-" else f" {unit}")
 
 
-def _layout(extent, count):
-    """Columns, rows and figure size [inch] for `count` panels of that shape."""
+# Margins of the map figures [inch]: fixed, so that panels keep the body's shape whatever their number.
+LEFT, RIGHT, HEADING, ABOVE, BELOW, GAP = 0.65, 0.95, 0.3, 0.42, 0.58, 0.28
+
+
+def _panels(extent, count):
+    """(figure, axes of `count` panels of that shape, axes of the colour bar)."""
     width, height = extent[1] - extent[0], extent[3] - extent[2]
     scale = min(4.2 / height, (6.5 if count == 1 else 4.6) / width)
-    panel_width, panel_height = max(1.5, scale * width), scale * height
-    columns = min(count, max(1, int(11.0 / (panel_width + 0.3))))
+    panel_width, panel_height = scale * width, scale * height
+    cell_width, cell_height = max(panel_width, 1.6) + GAP, ABOVE + panel_height + BELOW
+    columns = min(count, max(1, int(11.0 / cell_width)))
     rows = math.ceil(count / columns)
-    return columns, rows, (columns * (panel_width + 0.3) + 1.4, rows * (panel_height + 0.8) + 0.4)
+    total_width, total_height = LEFT + columns * cell_width + RIGHT, HEADING + rows * cell_height
+    figure = plt.figure(figsize=(total_width, total_height))
+
+    def axes(left, top, across, down):
+        return figure.add_axes(
+            (left / total_width, 1.0 - (top + down) / total_height, across / total_width, down / total_height)
+        )
+
+    panels = []
+    for k in range(count):
+        row, column = divmod(k, columns)
+        panel = axes(LEFT + column * cell_width, HEADING + row * cell_height + ABOVE, panel_width, panel_height)
+        panel.tick_params(labelleft=column == 0)
+        panel.set_ylabel("y" if column == 0 else "")
+        panels.append(panel)
+    bar_height = max(1.0, 0.92 * panel_height)
+    middle = HEADING + ABOVE + 0.5 * panel_height
+    bar = axes(LEFT + columns * cell_width - GAP + 0.25, middle - 0.5 * bar_height, 0.13, bar_height)
+    return figure, panels, bar

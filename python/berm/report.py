@@ -19,7 +19,8 @@ import numpy as np
 from berm.results import Curve, ResultError, Run, split_unit
 
 STYLE = """
-body { font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222; max-width: 1180px; margin: 2.2em auto; padding: 0 1.5em; }
+body { font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222;
+       max-width: 1180px; margin: 2.2em auto; padding: 0 1.5em; }
 h1 { font-size: 1.5em; font-weight: 600; margin: 0 0 .2em; }
 h2 { font-size: 1.1em; font-weight: 600; margin: 2em 0 .6em; padding-bottom: .25em; border-bottom: 1px solid #ccc; }
 p.note, figcaption { color: #666; font-size: .88em; margin: .3em 0; }
@@ -36,7 +37,7 @@ pre { background: #f6f6f4; padding: .8em 1em; overflow-x: auto; font-size: .85em
 
 
 def run_labels(runs):
-    """Short distinct names: the folder, or its path where folders share a name, and the method where the name hides it."""
+    """Short distinct names: the folder (its path where folders share a name), and the method where that hides it."""
     names = [run.name for run in runs]
     if len(set(names)) < len(names):
         names = [os.path.normpath(run.path) for run in runs]
@@ -64,14 +65,28 @@ def figure_text(value, unit):
     return text if unit in ("", "-") else f"{text} {unit}"
 
 
-MODEL_ROWS = (("Method", "method"), ("Case", "case"), ("Status", "status"), ("Degrees of freedom", "dofs"), ("Points", "points"), ("Steps", "steps"),
-              ("Wall time [s]", "wall_seconds"))  # fmt: skip
+MODEL_ROWS = (
+    ("Method", "method"),
+    ("Case", "case"),
+    ("Status", "status"),
+    ("Degrees of freedom", "dofs"),
+    ("Points", "points"),
+    ("Steps", "steps"),
+    ("Wall time [s]", "wall_seconds"),
+)
 NAMES = {
-    "peak_stress": "Peak nominal stress", "peak_load": "Peak load", "displacement_at_peak": "Displacement at peak",
-    "stiffness_10_40": "Stiffness, 10–40 % of the peak", "dissipated_energy": "Dissipated energy", "energy_error": "Energy error",
-    "max_damage": "Largest damage", "stress_noise": "Stress noise", "cut_steps": "Cut steps", "newton_iterations": "Newton iterations",
+    "peak_stress": "Peak nominal stress",
+    "peak_load": "Peak load",
+    "displacement_at_peak": "Displacement at peak",
+    "stiffness_10_40": "Stiffness, 10–40 % of the peak",
+    "dissipated_energy": "Dissipated energy",
+    "energy_error": "Energy error",
+    "max_damage": "Largest damage",
+    "stress_noise": "Stress noise",
+    "cut_steps": "Cut steps",
+    "newton_iterations": "Newton iterations",
     "points_lost": "Points lost",
-}  # fmt: skip
+}
 
 
 def metric_rows(runs):
@@ -84,8 +99,13 @@ def metric_rows(runs):
     rows = []
     for key in keys:
         name, unit = split_unit(key)
-        rows.append((NAMES.get(name, name.replace("_", " ")), unit, [run.summary.get("metrics", {}).get(key) for run in runs]))
-    for column, name in (("external_work", "External work at the end"), ("elastic_energy", "Elastic energy at the end")):
+        rows.append(
+            (NAMES.get(name, name.replace("_", " ")), unit, [run.summary.get("metrics", {}).get(key) for run in runs])
+        )
+    for column, name in (
+        ("external_work", "External work at the end"),
+        ("elastic_energy", "Elastic energy at the end"),
+    ):
         rows.append((name, "J", [float(run.history[column][-1]) if column in run.history else None for run in runs]))
     return rows
 
@@ -136,21 +156,27 @@ class Pictures:
             file.write(buffer.getvalue())
         data = base64.b64encode(buffer.getvalue()).decode()
         note = f"<figcaption>{caption}</figcaption>" if caption else ""
-        return f'<figure><img width="{width}" alt="{html.escape(alt)}" src="data:image/png;base64,{data}">{note}</figure>'
+        return (
+            f'<figure><img width="{width}" alt="{html.escape(alt)}" src="data:image/png;base64,{data}">{note}</figure>'
+        )
 
 
 def curves_html(runs, labels, references, pictures):
     from berm.figures import LOAD_DISPLACEMENT, STRESS_STRAIN, curve_figure
 
     parts = []
-    for name, alt, axes in (("stress_strain", "Nominal stress over nominal strain", STRESS_STRAIN),
-                            ("load_displacement", "Load over imposed displacement", LOAD_DISPLACEMENT)):  # fmt: skip
+    for name, alt, axes in (
+        ("stress_strain", "Nominal stress over nominal strain", STRESS_STRAIN),
+        ("load_displacement", "Load over imposed displacement", LOAD_DISPLACEMENT),
+    ):
         figure = curve_figure(runs, labels, references, axes)
         if figure:
             parts.append(pictures.html(figure, name, alt))
     if not parts:
         return ""
-    sources = "".join(f"<p class='note'>{html.escape(c.label)}: {html.escape(c.source or 'no source given')}</p>" for c in references)
+    sources = "".join(
+        f"<p class='note'>{html.escape(c.label)}: {html.escape(c.source or 'no source given')}</p>" for c in references
+    )
     note = "<p class='note'>Dots mark the largest nominal stress.</p>"
     return f'<h2>Load curves</h2><div class="figures">{"".join(parts)}</div>{note}{sources}'
 
@@ -162,11 +188,13 @@ def energies_html(runs, labels, pictures):
     if not figure:
         return ""
     note = "External work and the sum of elastic and dissipated energy coincide when the energy balance holds."
-    return f'<h2>Energies</h2><div class="figures">{pictures.html(figure, "energies", "Energies over time", note)}</div>'
+    return (
+        f'<h2>Energies</h2><div class="figures">{pictures.html(figure, "energies", "Energies over time", note)}</div>'
+    )
 
 
 def frame_indices(runs):
-    """(at peak, last) frame numbers by run; None for runs without points; "at peak" is None if it is the last frame of all."""
+    """(at peak, last): frames by run, None for runs without points. Every peak in its last frame: (None, last)."""
     last = [len(run.frames) - 1 if run.frames else None for run in runs]
     peak = []
     for run in runs:
@@ -190,17 +218,22 @@ def maps_html(runs, labels, scale, pictures):
 
     peak, last = frame_indices(runs)
     parts = []
-    for name, heading, indices in (("peak", "at the peak", peak), ("last", "last frame", last)):
+    for name, heading, indices in (("peak", "frame closest to the peak", peak), ("last", "last frame", last)):
         if indices is None:
             continue
         scenes = make_scenes(runs, labels, indices, scale)
         if not scenes:
             continue
         figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in MAPS]
-        images = "".join(pictures.html(f, f"{name}_{field.name}", f"{field.label} {heading}") for field, f in figures if f)
+        images = "".join(
+            pictures.html(f, f"{name}_{field.name}", f"{field.label}, {heading}") for field, f in figures if f
+        )
         title = "Maps at the peak" if name == "peak" else "Maps of the last frame"
-        note = f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start. Stresses: tension positive, " \
-               "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."  # fmt: skip
+        note = (
+            f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start. "
+            "Stresses: tension positive, "
+            "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."
+        )
         if name == "peak":
             note += " " + peak_note(scenes)
         parts.append(f'<h2>{title}</h2><p class="note">{note}</p><div class="figures">{images}</div>')
@@ -246,15 +279,18 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
     title = title or runs[0].summary.get("title") or runs[0].name
     try:
         os.makedirs(pictures.folder, exist_ok=True)
-        content = "\n".join((
-            f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style></head><body>',
-            f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
-            curves_html(runs, labels, curves, pictures),
-            energies_html(runs, labels, pictures),
-            maps_html(runs, labels, scale, pictures),
-            inputs_html(runs, labels),
-            "</body></html>\n",
-        ))  # fmt: skip
+        content = "\n".join(
+            (
+                f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
+                f"<style>{STYLE}</style></head><body>",
+                f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
+                curves_html(runs, labels, curves, pictures),
+                energies_html(runs, labels, pictures),
+                maps_html(runs, labels, scale, pictures),
+                inputs_html(runs, labels),
+                "</body></html>\n",
+            )
+        )
         with open(out, "w", encoding="utf-8") as file:
             file.write(content)
     except OSError as error:
@@ -266,8 +302,12 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="berm report", description="Writes report.html of one or several runs.")
     parser.add_argument("folders", nargs="+", metavar="OUT", help="output folder of a run")
     parser.add_argument("--out", metavar="FILE", help="default: report.html in the first folder")
-    parser.add_argument("--reference", action="append", default=[], metavar="CSV", help="curve to overlay; may be repeated")
-    parser.add_argument("--scale", type=float, default=1.0, metavar="FACTOR", help="factor on displacements in maps (default 1)")
+    parser.add_argument(
+        "--reference", action="append", default=[], metavar="CSV", help="curve to overlay; may be repeated"
+    )
+    parser.add_argument(
+        "--scale", type=float, default=1.0, metavar="FACTOR", help="factor on displacements in maps (default 1)"
+    )
     parser.add_argument("--title", help="default: the title of the first run")
     options = parser.parse_args(arguments)
     try:

@@ -1,9 +1,9 @@
 """The output folder of a run as numpy arrays.
 
-    run = Run("out/case")
-    run.history["nominal_stress"]          # numpy array, units in run.units
-    run.summary["metrics"]["peak_load [N]"]
-    run.last()["damage"]                   # point fields of the last points_NNNN.vtu
+run = Run("out/case")
+run.history["nominal_stress"]          # numpy array, units in run.units
+run.summary["metrics"]["peak_load [N]"]
+run.last()["damage"]                   # point fields of the last points_NNNN.vtu
 """
 
 import csv
@@ -15,11 +15,26 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 TO_SI = {
-    "m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "cm": 1e-2,
-    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6,
-    "N": 1.0, "kN": 1e3, "MN": 1e6, "J": 1.0, "kJ": 1e3,
-    "s": 1.0, "-": 1.0, "%": 1e-2, "permille": 1e-3,
-}  # fmt: skip
+    "m": 1.0,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "cm": 1e-2,
+    "Pa": 1.0,
+    "kPa": 1e3,
+    "MPa": 1e6,
+    "GPa": 1e9,
+    "N/mm2": 1e6,
+    "N": 1.0,
+    "kN": 1e3,
+    "MN": 1e6,
+    "J": 1.0,
+    "kJ": 1e3,
+    "s": 1.0,
+    "-": 1.0,
+    "%": 1e-2,
+    "permille": 1e-3,
+}
 
 
 class ResultError(Exception):
@@ -119,7 +134,9 @@ class Run:
         self.path = os.fspath(path)
         history = os.path.join(self.path, "history.csv")
         if not os.path.isfile(history):
-            raise ResultError(f"{self.path} holds no history.csv: not the output folder of a run, or the run never started")
+            raise ResultError(
+                f"{self.path} holds no history.csv: not the output folder of a run, or the run never started"
+            )
         self.history, self.units, _ = read_table(history)
         self.summary = self._read_summary()
         series = os.path.join(self.path, "points.pvd")

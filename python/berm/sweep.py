@@ -3,7 +3,8 @@
     python3 -m berm.sweep SWEEP.toml [--only NAME,NAME] [--berm PATH] [--out DIR] [--jobs N] [--short]
 
 The format of SWEEP.toml is in docs/output.md. Every variant runs in DIR/NAME (default: out/<name of the sweep file>).
-Prints the metrics of all, writes DIR/sweep.csv and DIR/report.html. Exit code 1: a variant failed; 2: the input is wrong.
+Prints the metrics of all, writes DIR/sweep.csv and DIR/report.html.
+Exit code 1: a variant failed; 2: the input is wrong.
 """
 
 import argparse
@@ -63,7 +64,9 @@ def command(berm, variant, out, short):
 def run_variant(berm, variant, out, short):
     """Runs one variant; returns "" or why it failed."""
     shutil.rmtree(out, ignore_errors=True)
-    result = subprocess.run(command(berm, variant, out, short), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
+    result = subprocess.run(
+        command(berm, variant, out, short), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False
+    )
     if result.returncode != 0:
         lines = [line for line in result.stderr.splitlines() if line.strip()]
         return f"exit code {result.returncode}" + (f": {lines[-1]}" if lines else "")
@@ -83,13 +86,17 @@ def metrics_table(runs):
     rows = []
     for name, run in runs.items():
         metrics = run.summary.get("metrics", {})
-        rows.append([name, run.summary.get("status", ""), *(metrics.get(key) for key in keys), run.summary.get("wall_seconds")])
+        rows.append(
+            [name, run.summary.get("status", ""), *(metrics.get(key) for key in keys), run.summary.get("wall_seconds")]
+        )
     return header, rows
 
 
 def print_table(header, rows):
     """Metrics down, variants across: names of metrics are long and variants are few."""
-    text = lambda value: "-" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)  # noqa: E731
+    text = lambda value: (
+        "-" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+    )  # noqa: E731
     lines = [[header[k], *(text(row[k]) for row in rows)] for k in range(len(header))]
     widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
     for line in lines:
@@ -111,7 +118,10 @@ def sweep(options):
 
     failures, runs = {}, {}
     with concurrent.futures.ThreadPoolExecutor(max_workers=options.jobs) as pool:
-        jobs = {name: pool.submit(run_variant, berm, v, os.path.join(out, name), options.short) for name, v in variants.items()}
+        jobs = {
+            name: pool.submit(run_variant, berm, v, os.path.join(out, name), options.short)
+            for name, v in variants.items()
+        }
         for name, job in jobs.items():
             reason = job.result()
             print(f"{name}: {'failed, ' + reason if reason else 'done'}", flush=True)
@@ -124,7 +134,9 @@ def sweep(options):
         print()
         print_table(header, rows)
         with open(os.path.join(out, "sweep.csv"), "w", newline="", encoding="utf-8") as file:
-            csv.writer(file, lineterminator="\n").writerows([header, *(["nan" if v is None else v for v in row] for row in rows)])
+            csv.writer(file, lineterminator="\n").writerows(
+                [header, *(["nan" if v is None else v for v in row] for row in rows)]
+            )
         print()
         print(write_report([run.path for run in runs.values()], os.path.join(out, "report.html"), title=title))
     for name, reason in failures.items():
@@ -136,7 +148,9 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="berm sweep", description="Runs variants of cases and compares them.")
     parser.add_argument("sweep", metavar="SWEEP.toml")
     parser.add_argument("--only", metavar="NAME,NAME", help="these variants only")
-    parser.add_argument("--berm", metavar="PATH", help="the program (default: build/release/berm of the source tree, else from PATH)")
+    parser.add_argument(
+        "--berm", metavar="PATH", help="the program (default: build/release/berm of the source tree, else from PATH)"
+    )
     parser.add_argument("--out", metavar="DIR", help="default: out/<name of the sweep file>")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="variants at the same time (default 1)")
     parser.add_argument("--short", action="store_true", help="apply the `short` overrides of the variants")

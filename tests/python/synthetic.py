@@ -10,9 +10,25 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import VTK_VERTEX, vtkUnstructuredGrid
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
-COLUMNS = ("step [-]", "time [s]", "imposed_displacement [m]", "reaction [N]", "nominal_stress [Pa]", "nominal_strain [-]", "load_factor [-]",
-           "max_damage [-]", "external_work [J]", "elastic_energy [J]", "dissipated_energy [J]", "energy_error [-]", "newton_iterations [-]",
-           "residual [-]", "extrapolation_error [-]", "integration [-]", "gauge:lateral [m]")  # fmt: skip
+COLUMNS = (
+    "step [-]",
+    "time [s]",
+    "imposed_displacement [m]",
+    "reaction [N]",
+    "nominal_stress [Pa]",
+    "nominal_strain [-]",
+    "load_factor [-]",
+    "max_damage [-]",
+    "external_work [J]",
+    "elastic_energy [J]",
+    "dissipated_energy [J]",
+    "energy_error [-]",
+    "newton_iterations [-]",
+    "residual [-]",
+    "extrapolation_error [-]",
+    "integration [-]",
+    "gauge:lateral [m]",
+)
 WIDTH, HEIGHT, TRAVEL = 0.15, 0.30, 6e-4
 PEAK_AT = 2.85e-4
 
@@ -44,8 +60,10 @@ def write_points(path, fields):
 def point_fields(time, cell, noise, seed):
     """Gauss points of a regular grid, an X of damage after the peak, stresses in tension and compression."""
     g = 0.5 / np.sqrt(3.0)
+
     def line(length):
         return ((np.arange(round(length / cell))[:, None] + [0.5 - g, 0.5 + g]) * cell).ravel()
+
     x, y = (a.ravel() for a in np.meshgrid(line(WIDTH) - 0.5 * WIDTH, line(HEIGHT)))
     n, u = len(x), TRAVEL * time
     stress_yy = -float(nominal_stress(np.array(u))) * np.ones(n)
@@ -55,14 +73,22 @@ def point_fields(time, cell, noise, seed):
     stress = np.zeros((n, 6))
     random = np.random.default_rng(seed)
     stress[:, 1] = stress_yy * (1.0 - 0.8 * damage) * (1.0 + noise * random.standard_normal(n))
-    stress[:, 0] = 2.5e6 * np.sin(np.pi * y / HEIGHT) * np.cos(np.pi * x / WIDTH) * time - 3e6 * np.exp(-y / 0.02) * time
+    stress[:, 0] = (
+        2.5e6 * np.sin(np.pi * y / HEIGHT) * np.cos(np.pi * x / WIDTH) * time - 3e6 * np.exp(-y / 0.02) * time
+    )
     stress[:, 3] = 3e6 * np.sin(2 * np.pi * x / WIDTH) * np.cos(np.pi * y / HEIGHT) * time
     stress[0, 0] = 1e9  # an outlier must not spoil the colours
     return {
-        "position": np.stack([x, y, 0.0 * x], 1) + displacement, "displacement": displacement, "stress": stress,
-        "strain": np.zeros((n, 6)), "damage": damage, "volume": np.full(n, 0.25 * cell**2), "body": np.zeros(n, dtype=np.int32),
-        "crack_opening": 3e-4 * damage * (u > PEAK_AT), "released_energy_fraction": damage**2,
-    }  # fmt: skip
+        "position": np.stack([x, y, 0.0 * x], 1) + displacement,
+        "displacement": displacement,
+        "stress": stress,
+        "strain": np.zeros((n, 6)),
+        "damage": damage,
+        "volume": np.full(n, 0.25 * cell**2),
+        "body": np.zeros(n, dtype=np.int32),
+        "crack_opening": 3e-4 * damage * (u > PEAK_AT),
+        "released_energy_fraction": damage**2,
+    }
 
 
 def write_run(folder, method="mpm", factor=1.0, cell=0.005, steps=300, frames=4, noise=0.03, references=()):
@@ -77,25 +103,67 @@ def write_run(folder, method="mpm", factor=1.0, cell=0.005, steps=300, frames=4,
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
         for k in range(steps + 1):
-            writer.writerow([k, time[k], u[k], stress[k] * WIDTH, stress[k], u[k] / HEIGHT, 1, 0, work[k], elastic[k], work[k] - elastic[k],
-                             0.001, 3, 1e-9, 0, 0, 0.2 * u[k]])  # fmt: skip
+            writer.writerow(
+                [
+                    k,
+                    time[k],
+                    u[k],
+                    stress[k] * WIDTH,
+                    stress[k],
+                    u[k] / HEIGHT,
+                    1,
+                    0,
+                    work[k],
+                    elastic[k],
+                    work[k] - elastic[k],
+                    0.001,
+                    3,
+                    1e-9,
+                    0,
+                    0,
+                    0.2 * u[k],
+                ]
+            )
     with open(os.path.join(folder, "points.pvd"), "w", encoding="utf-8") as file:
         entries = []
         for k, t in enumerate(np.linspace(0.0, 1.0, frames)):
             write_points(os.path.join(folder, f"points_{k:04d}.vtu"), point_fields(t, cell, noise, k))
             entries.append(f'<DataSet timestep="{t}" part="0" file="points_{k:04d}.vtu"/>')
-        file.write(f'<?xml version="1.0"?><VTKFile type="Collection" version="1.0"><Collection>{"".join(entries)}</Collection></VTKFile>')
+        file.write(
+            f'<?xml version="1.0"?><VTKFile type="Collection" version="1.0"><Collection>{"".join(entries)}'
+            "</Collection></VTKFile>"
+        )
     half = 0.5 * WIDTH
     ring = [[-half, 0.0], [half, 0.0], [half, HEIGHT], [-half, HEIGHT]]
     summary = {
-        "title": "Concrete prism <0.15 x 0.30 m> in compression", "method": method, "case": f"{method}.toml", "status": "done", "reason": "",
-        "dofs": 3720, "points": 7200, "steps": steps, "cut_steps": 0, "newton_iterations": 3 * steps, "wall_seconds": 12.3, "thickness": 1.0,
-        "references": list(references), "body_rings": {"specimen": [ring]},
-        "metrics": {"peak_load [N]": stress.max() * WIDTH, "peak_stress [Pa]": stress.max(), "displacement_at_peak [m]": u[stress.argmax()],
-                    "stiffness_10_40 [Pa]": factor * 124.4e9 * HEIGHT, "stress_noise [-]": None, "energy_error [-]": 0.001,
-                    "dissipated_energy [J]": work[-1] - elastic[-1], "max_damage [-]": 0.995, "cut_steps [-]": 0, "newton_iterations [-]": 3 * steps,
-                    "points_lost [-]": 0},
-    }  # fmt: skip
+        "title": "Concrete prism <0.15 x 0.30 m> in compression",
+        "method": method,
+        "case": f"{method}.toml",
+        "status": "done",
+        "reason": "",
+        "dofs": 3720,
+        "points": 7200,
+        "steps": steps,
+        "cut_steps": 0,
+        "newton_iterations": 3 * steps,
+        "wall_seconds": 12.3,
+        "thickness": 1.0,
+        "references": list(references),
+        "body_rings": {"specimen": [ring]},
+        "metrics": {
+            "peak_load [N]": stress.max() * WIDTH,
+            "peak_stress [Pa]": stress.max(),
+            "displacement_at_peak [m]": u[stress.argmax()],
+            "stiffness_10_40 [Pa]": factor * 124.4e9 * HEIGHT,
+            "stress_noise [-]": None,
+            "energy_error [-]": 0.001,
+            "dissipated_energy [J]": work[-1] - elastic[-1],
+            "max_damage [-]": 0.995,
+            "cut_steps [-]": 0,
+            "newton_iterations [-]": 3 * steps,
+            "points_lost [-]": 0,
+        },
+    }
     with open(os.path.join(folder, "summary.json"), "w", encoding="utf-8") as file:
         json.dump(summary, file)
     return folder
@@ -103,6 +171,8 @@ def write_run(folder, method="mpm", factor=1.0, cell=0.005, steps=300, frames=4,
 
 def write_reference(path):
     with open(path, "w", encoding="utf-8") as file:
-        file.write("# source: a made-up test, figure 3\n# label: Experiment\nnominal_strain [permille],nominal_stress [MPa]\n"
-                   "0,0\n0.5,16\n1.0,28\n1.5,34\n2.0,30\n")  # fmt: skip
+        file.write(
+            "# source: a made-up test, figure 3\n# label: Experiment\nnominal_strain [permille],nominal_stress [MPa]\n"
+            "0,0\n0.5,16\n1.0,28\n1.5,34\n2.0,30\n"
+        )
     return path

@@ -40,7 +40,9 @@ class Results(unittest.TestCase):
     def test_peak_and_frames(self):
         run = Run(self.run_path)
         peak = run.peak_row()
-        self.assertAlmostEqual(run.history["imposed_displacement"][peak], synthetic.PEAK_AT, delta=synthetic.TRAVEL / 100)
+        self.assertAlmostEqual(
+            run.history["imposed_displacement"][peak], synthetic.PEAK_AT, delta=synthetic.TRAVEL / 100
+        )
         self.assertEqual(run.frame_at(run.history["time"][peak]), 1)  # frames at 0, 1/3, 2/3, 1; the peak is at 0.47
         last = run.last()
         self.assertEqual(last["time"], 1.0)

@@ -52,7 +52,9 @@ class WrittenFiles(unittest.TestCase):
                 self.assertTrue((vtk_to_numpy(grid.GetCellTypesArray()) == 1).all())
                 self.assertEqual(grid.GetCell(n - 1).GetPointId(0), n - 1)
                 i = np.arange(n, dtype=float)
-                np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), np.stack([i, 0.5 * i, 0 * i], 1))
+                np.testing.assert_array_equal(
+                    vtk_to_numpy(grid.GetPoints().GetData()), np.stack([i, 0.5 * i, 0 * i], 1)
+                )
                 stress = array(grid.GetPointData(), "stress")
                 np.testing.assert_array_equal(stress, 1e6 * i[:, None] + np.arange(6))
 
