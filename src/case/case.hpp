@@ -70,7 +70,8 @@ struct Pin {
   bool x = false, y = false;
 };
 
-/// Pressure on the surface of a body, follows the material (mpm: surface points; fem: element edges).
+/// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the material;
+/// direction and area are those of the reference state.
 struct Pressure {
   std::string name, body;
   Where where;

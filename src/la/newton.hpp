@@ -1,0 +1,64 @@
+#pragma once
+/// Newton's method through PETSc's SNES, and the linear solver inside it. The only header above PETSc.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "method/csr.hpp"
+
+namespace berm {
+
+/// Starts PETSc (and MPI) once; the destructor ends them.
+class PetscSession {
+public:
+  /// options: as on a PETSc command line, e.g. "-ksp_view".
+  explicit PetscSession(const std::string& options = "");
+  ~PetscSession();
+  PetscSession(const PetscSession&) = delete;
+  PetscSession& operator=(const PetscSession&) = delete;
+};
+
+struct NewtonResult {
+  bool converged = false;
+  int iterations = 0;
+  double residual = 0.0;          ///< last norm [N]
+  std::vector<double> residuals;  ///< norm of every iteration, the first one before any
+  std::string reason;             ///< why it did not converge
+};
+
+struct NewtonOptions {
+  int max_iterations = 25;
+  bool line_search = true;
+};
+
+class NewtonSolver {
+public:
+  /// r(x); false: x is outside of what the laws are defined for (the line search then shortens the step).
+  using Residual = std::function<bool(const std::vector<double>& x, std::vector<double>& r)>;
+  /// Fills the matrix given to set_matrix at x.
+  using Jacobian = std::function<void(const std::vector<double>& x)>;
+
+  explicit NewtonSolver(const NewtonOptions& options);
+  ~NewtonSolver();
+
+  /// The matrix that the Jacobian callback fills; its arrays are used in place, so it must outlive the solver or the next
+  /// set_matrix. symmetric: Cholesky (CHOLMOD), else LU (MUMPS); PETSc's options override either.
+  void set_matrix(CsrMatrix& matrix, bool symmetric);
+
+  /// Solves matrix * x = rhs with the values now in the matrix. False if the factorisation failed.
+  bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
+
+  /// Newton from x until the residual norm is below `tolerance` [N].
+  NewtonResult solve(std::vector<double>& x, double tolerance, const Residual& residual, const Jacobian& jacobian);
+
+  /// Seconds spent in factorisation and substitution since the start.
+  double linear_seconds() const;
+
+private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace berm

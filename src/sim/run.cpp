@@ -1,0 +1,136 @@
+#include "sim/run.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "base/error.hpp"
+#include "io/log.hpp"
+#include "sim/recorder.hpp"
+#include "sim/step_control.hpp"
+
+namespace berm {
+namespace {
+
+class Run {
+public:
+  Run(Case spec, const RunOptions& options)
+      : start_(std::chrono::steady_clock::now()),
+        log_({(options.folder / "log.txt").string(), options.quiet, stdout, {}}),
+        petsc_(spec.solver.petsc),
+        world_(build_world(std::move(spec))),
+        step_(*world_),
+        recorder_(*world_, step_, options.folder),
+        control_(world_->spec.steps),
+        progress_(log_, start_),
+        integration_(world_->spec.solver.integration) {
+    log_.info(describe(*world_));
+    replace_file((options.folder / "case.toml").string(), world_->spec.resolved);
+  }
+
+  void go() {
+    try {
+      while (!control_.finished(world_->time)) advance();
+    } catch (const RunError& error) {
+      recorder_.finish("failed", error.what(), seconds());
+      throw;
+    }
+    recorder_.finish("done", "", seconds());
+    report_end();
+  }
+
+private:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+  /// One accepted step: the step size is cut until the attempt converges.
+  void advance() {
+    for (;;) {
+      const double dt = control_.next(world_->time);
+      const Integration integration = bridge_ > 0 ? Integration::impl_ex : integration_;
+      const StepResult result = step_.attempt(dt, integration);
+      log_attempt(dt, result);
+      if (!result.converged) {
+        fail(dt, result);
+        continue;
+      }
+      if (integration == Integration::impl_ex && control_.reject_impl_ex(result.extrapolation_error)) {
+        recorder_.count_cut();
+        control_.cut();
+        continue;
+      }
+      step_.accept();
+      recorder_.record(result, integration);
+      if (integration == Integration::implicit)
+        control_.after_implicit(result.iterations);
+      else
+        control_.after_impl_ex(result.extrapolation_error);
+      if (bridge_ > 0 && --bridge_ == 0) log_.info("back to implicit steps");
+      progress_.update({recorder_.steps(), world_->time, recorder_.load(), result.iterations, result.residual,
+                        long(world_->discretisation->material.size())});
+      return;
+    }
+  }
+
+  /// A step that found no equilibrium: cut it, or bridge a snap-back, or say exactly what happened.
+  void fail(double dt, const StepResult& result) {
+    recorder_.count_cut();
+    if (control_.can_cut()) {
+      control_.cut();
+      return;
+    }
+    if (integration_ == Integration::implicit && bridge_ == 0 &&
+        world_->spec.solver.snap_back == Solver::SnapBack::impl_ex) {
+      bridge_ = bridge_steps;
+      log_.warning(fmt::format("no equilibrium next to time {:.6g} with the smallest step: {} IMPL-EX steps follow",
+                               world_->time, bridge_steps));
+      return;
+    }
+    throw RunError(fmt::format(
+        "no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). The structure snaps "
+        "back or collapses here: take [solver] integration = \"impl_ex\" or snap_back = \"impl_ex\", or drive the run with "
+        "[control] kind = \"gauge\"",
+        world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
+  }
+
+  void log_attempt(double dt, const StepResult& result) {
+    std::string text = fmt::format("time {:.9g} + {:.3g}: {} after {} linear solves, residuals", world_->time, dt,
+                                   result.converged ? "converged" : "failed (" + result.reason + ")", result.iterations);
+    for (double r : result.residuals) text += fmt::format(" {:.3e}", r);
+    log_.detail(text);
+  }
+
+  void report_end() {
+    for (const auto& [name, value] : recorder_.metrics()) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
+    const StepTimes t = step_.times();
+    log_.info(fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
+                          recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
+  }
+
+  /// Length of an IMPL-EX bridge over a snap-back, in steps, before implicit steps are tried again.
+  static constexpr int bridge_steps = 50;
+
+  std::chrono::steady_clock::time_point start_;
+  Log log_;
+  PetscSession petsc_;
+  std::unique_ptr<World> world_;
+  QuasiStaticStep step_;
+  Recorder recorder_;
+  StepControl control_;
+  Progress progress_;
+  Integration integration_;
+  int bridge_ = 0;
+};
+
+}  // namespace
+
+void run_case(Case spec, const RunOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.folder, error);
+  if (error) throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
+  Run run(std::move(spec), options);
+  run.go();
+}
+
+}  // namespace berm

@@ -1,0 +1,19 @@
+#pragma once
+/// A whole run: from a case to a filled output folder.
+
+#include <filesystem>
+
+#include "case/case.hpp"
+
+namespace berm {
+
+struct RunOptions {
+  std::filesystem::path folder;  ///< output folder; created if missing
+  bool quiet = false;
+};
+
+/// Runs the case. Throws InputError or RunError; in the second case everything up to the last converged step has been
+/// written.
+void run_case(Case spec, const RunOptions& options);
+
+}  // namespace berm

@@ -1,0 +1,38 @@
+#pragma once
+/// A case that is ready to run: discretisation, boundary conditions, and where the run is.
+
+#include <memory>
+
+#include "bc/boundary.hpp"
+#include "case/case.hpp"
+#include "method/discretisation.hpp"
+
+namespace berm {
+
+struct BodySummary {
+  std::string name;
+  bool rigid = false;
+  double area = 0.0, mass = 0.0;  ///< [m2], [kg]
+  int points = 0, elements = 0;
+};
+
+struct World {
+  Case spec;
+  std::unique_ptr<Discretisation> discretisation;
+  std::unique_ptr<BoundaryConditions> boundary;
+  std::vector<BodySummary> bodies;
+  std::vector<std::string> warnings;
+
+  // the state at t_n besides what the points carry
+  double time = 0.0;         ///< 0 ... 1
+  double load_factor = 0.0;  ///< of the pressures
+  double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
+};
+
+/// Builds everything that the case describes. Throws InputError.
+std::unique_ptr<World> build_world(Case spec);
+
+/// What `berm check` prints: bodies, masses, points per cell, dofs, memory, warnings.
+std::string describe(World& world);
+
+}  // namespace berm
