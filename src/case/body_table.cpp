@@ -1,0 +1,128 @@
+/// Bodies: shape or file, material, material points, meshes.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "case/tables.hpp"
+
+namespace berm {
+namespace {
+
+const std::vector<std::pair<std::string, BodyMeshKind>> mesh_kinds = {{"quads", BodyMeshKind::quads},
+                                                                      {"triangles", BodyMeshKind::triangles}};
+const Range mesh_order = {1.0, 2.0};
+
+Table<BodyMeshOptions> mesh_table() {
+  Table<BodyMeshOptions> t("Finite element mesh of the body (method \"fem\").");
+  t.choice("kind", &BodyMeshOptions::kind, mesh_kinds, "shape of the elements");
+  t.number("size", &BodyMeshOptions::size, Unit::length, positive(), "edge length").required();
+  t.integer("order", &BodyMeshOptions::order, mesh_order, "1: linear, 2: quadratic elements");
+  t.boolean("structured", &BodyMeshOptions::structured, "regular rows of elements; boxes only");
+  return t;
+}
+
+/// Gauss rules for triangles and quads that the program has.
+std::vector<int> gauss_rules(std::optional<BodyMeshKind> kind) {
+  if (!kind) return {1, 3, 4, 6, 9, 12, 16};
+  return *kind == BodyMeshKind::triangles ? std::vector<int>{1, 3, 6, 12} : std::vector<int>{1, 4, 9, 16};
+}
+
+void check_points(Scope& scope, PointSeeding& p) {
+  const bool has_mesh = scope.has("mesh");
+  if (!has_mesh && !scope.has("per_element")) return;
+  p.kind = PointSeeding::Kind::mesh;
+  if (!scope.has("per_element")) {
+    p.per_element = p.mesh.kind == BodyMeshKind::triangles ? 3 : 4;
+    scope.node.set("per_element", Node(std::int64_t{p.per_element}, scope.place));
+  }
+  const std::vector<int> rules = gauss_rules(has_mesh ? std::optional(p.mesh.kind) : std::nullopt);
+  if (std::find(rules.begin(), rules.end(), p.per_element) != rules.end()) return;
+  scope.error("per_element", fmt::format("must be one of {}, is {}", fmt::join(rules, ", "), p.per_element));
+}
+
+Table<PointSeeding> points_table() {
+  const auto on_grid = [](const Scope& s, const PointSeeding&) { return !s.has("mesh") && !s.has("per_element"); };
+  using Placement = PointSeeding::Placement;
+  Table<PointSeeding> t(
+      "Where the material points start (method \"mpm\"): in the cells of the background grid, or at "
+      "the Gauss points of a mesh of the body.");
+  t.choice(
+       "mesh", [](PointSeeding & p) -> auto& { return p.mesh.kind; }, mesh_kinds,
+       "seed from a mesh of the body with these elements")
+      .no_default();
+  t.integer("per_direction", &PointSeeding::per_direction, {1.0, 20.0}, "points per grid cell and direction")
+      .only(on_grid, "without \"mesh\" and \"per_element\"");
+  t.choice("placement", &PointSeeding::placement,
+           std::vector<std::pair<std::string, Placement>>{{"gauss", Placement::gauss}, {"uniform", Placement::uniform}},
+           "positions in grid cells that the body fills")
+      .only(on_grid, "without \"mesh\" and \"per_element\"");
+  t.number(
+       "size", [](PointSeeding & p) -> auto& { return p.mesh.size; }, Unit::length, positive(),
+       "edge length of that mesh")
+      .required()
+      .only_with("mesh");
+  t.integer(
+       "order", [](PointSeeding & p) -> auto& { return p.mesh.order; }, mesh_order, "order of that mesh")
+      .only_with("mesh");
+  t.boolean(
+       "structured", [](PointSeeding & p) -> auto& { return p.mesh.structured; },
+       "that mesh has regular rows of elements; boxes only")
+      .only_with("mesh");
+  t.integer(
+       "per_element", &PointSeeding::per_element, {1.0, 16.0},
+       "Gauss points of an element: triangles 1, 3, 6, 12 (default 3); quads 1, 4, 9, 16 (default 4); alone: of the "
+       "elements of the body's `file`")
+      .no_default();
+  t.check(check_points);
+  return t;
+}
+
+void check_structured(const Scope& scope, std::string_view key, const BodyMeshOptions& mesh, const Body& body) {
+  Node::Entry* entry = scope.node.find(key);
+  if (!entry || !mesh.structured || is_box(body.shape)) return;
+  scope.child(*entry)->error("structured", "is for boxes only");
+}
+
+void check_body(Scope& scope, Body& body) {
+  scope.exactly_one({"shape", "file"});
+  if (Node::Entry* entry = scope.node.find("points")) {
+    const Scope points = *scope.child(*entry);
+    if (body.shape && points.has("per_element") && !points.has("mesh"))
+      points.error("per_element", "is only allowed with \"mesh\"");
+    if (!body.shape && points.has("mesh"))
+      points.error("mesh", "is not for a body from a file, which has its own mesh (give \"per_element\" alone)");
+  }
+  check_structured(scope, "points", body.points.mesh, body);
+  const double reach = body.shape ? largest_coordinate(*body.shape) : 0.0;
+  if (reach > 1000.0) scope.warn("shape", fmt::format("[{}] reaches {:.6g} m: did you mean mm?", scope.path, reach));
+  check_structured(scope, "mesh", body.mesh, body);
+}
+
+}  // namespace
+
+Table<Body> body_table() {
+  const auto deformable = [](const Scope&, const Body& b) { return !b.rigid; };
+  Table<Body> t("A deformable body, or a rigid one that pushes. One of `shape` and `file`.");
+  t.boolean("rigid", &Body::rigid, "moves as told and never deforms");
+  t.string("material", &Body::material, "name of a material", "what it is made of")
+      .required()
+      .only(deformable, "in deformable bodies");
+  t.custom(shape_info(), read_shape);
+  t.file("file", &Body::mesh_file, "Gmsh mesh (.msh 2.2 or 4.1) of plane cells");
+  t.string("group", &Body::mesh_group, "name of a physical surface",
+           "part of the file that is the body; all cells without it")
+      .only_with("file");
+  t.table("points", &Body::points, points_table()).only(deformable, "in deformable bodies");
+  t.table("mesh", &Body::mesh, mesh_table())
+      .no_default()
+      .only([](const Scope& s, const Body& b) { return !b.rigid && !s.has("file"); },
+            "in deformable bodies without \"file\"");
+  t.pair("displacement", &Body::displacement, Unit::length, "motion at time 1, linear in time")
+      .only([](const Scope&, const Body& b) { return b.rigid; },
+            "in rigid bodies (deformable ones are moved by [boundary.NAME])");
+  t.check(check_body);
+  return t;
+}
+
+}  // namespace berm

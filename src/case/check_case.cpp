@@ -1,0 +1,155 @@
+/// Checks across tables.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "case/tables.hpp"
+
+namespace berm {
+namespace {
+
+template <class T>
+std::vector<std::string> names_of(const std::vector<T>& items) {
+  std::vector<std::string> names;
+  for (const T& item : items) names.push_back(item.name);
+  return names;
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+class Checker {
+public:
+  Checker(const Case& c, Node& root, Problems& problems)
+      : c_(c), root_{problems, root, "", {c.file.string(), "", 0, 0}} {}
+
+  void run() {
+    check_bodies();
+    check_loads();
+    check_control();
+    check_nominal();
+    check_groups();
+  }
+
+private:
+  /// The table [kind.name], or [kind] if name is empty.
+  Scope at(const std::string& kind, const std::string& name = "") const {
+    Node::Entry* entry = root_.node.find(kind);
+    std::string path = kind;
+    if (entry && !name.empty()) {
+      entry = entry->value.find(name);
+      path += "." + name;
+    }
+    return entry ? Scope{root_.problems, entry->value, path, entry->value.place} : root_;
+  }
+
+  void fail(const std::string& text) const { root_.problems.error(root_.place, text); }
+
+  /// `key` of [kind.name] must be one of the names.
+  void refer(const Scope& scope, std::string_view key, const std::string& name, const std::string& what,
+             const std::vector<std::string>& names) const {
+    if (name.empty() || holds(names, name)) return;
+    scope.explain(key, fmt::format("no {} \"{}\"{}", what, name, suggestion(name, names)));
+  }
+
+  void refer_body(const Scope& scope, std::string_view key, const std::string& name, bool rigid) const {
+    std::vector<std::string> fitting;
+    for (const Body& body : c_.bodies) {
+      if (body.rigid == rigid) fitting.push_back(body.name);
+      if (body.rigid == rigid || body.name != name) continue;
+      return scope.explain(key, fmt::format("body \"{}\" is {}; a {} one is needed", name,
+                                            rigid ? "deformable" : "rigid", rigid ? "rigid" : "deformable"));
+    }
+    refer(scope, key, name, rigid ? "rigid body" : "deformable body", fitting);
+  }
+
+  void check_bodies() const {
+    if (std::none_of(c_.bodies.begin(), c_.bodies.end(), [](const Body& b) { return !b.rigid; })) {
+      fail("no deformable body (add a [body.NAME])");
+    }
+    if (c_.method == Method::mpm && !root_.has("grid"))
+      fail("missing table [grid]: method \"mpm\" needs a background grid");
+    std::vector<std::string> used;
+    for (const Body& body : c_.bodies) {
+      used.push_back(body.material);
+      const Scope scope = at("body", body.name);
+      refer(scope, "material", body.material, "material", names_of(c_.materials));
+      if (c_.method == Method::fem && !body.rigid && body.shape && !scope.has("mesh")) {
+        scope.missing("mesh", "method \"fem\" meshes the body; e.g. mesh = { kind = \"quads\", size = 0.01 }");
+      }
+    }
+    for (const Material& material : c_.materials) {
+      if (holds(used, material.name)) continue;
+      const Scope scope = at("material", material.name);
+      root_.problems.warn(scope.place, fmt::format("[material.{}] is not used by any body", material.name));
+    }
+  }
+
+  void check_loads() const {
+    for (const Pin& pin : c_.pins) refer_body(at("pin", pin.name), "body", pin.body, false);
+    for (const Pressure& p : c_.pressures) refer_body(at("pressure", p.name), "body", p.body, false);
+    for (const Contact& contact : c_.contacts) {
+      const Scope scope = at("contact", contact.name);
+      refer_body(scope, "body", contact.body, false);
+      refer_body(scope, "rigid", contact.rigid, true);
+    }
+  }
+
+  void check_control() const {
+    if (c_.control.kind != Control::Kind::gauge) return;
+    const Scope scope = at("control");
+    refer(scope, "gauge", c_.control.gauge, "gauge", names_of(c_.output.gauges));
+    if (c_.pressures.empty()) scope.error("kind", "needs a load to scale (add a [pressure.NAME])");
+  }
+
+  void check_nominal() const {
+    const Nominal& nominal = c_.output.nominal;
+    const Node::Entry* output = root_.node.find("output");
+    if (!output || !output->value.find("nominal")) return;
+    Node::Entry* entry = at("output").node.find("nominal");
+    const Scope scope{root_.problems, entry->value, "output.nominal", entry->value.place};
+    std::vector<std::string> sources = names_of(c_.boundaries);
+    for (const Body& body : c_.bodies) {
+      if (body.rigid) sources.push_back(body.name);
+    }
+    refer_one(scope, "load", nominal.load, "rigid body, boundary or pressure", sources, names_of(c_.pressures));
+    refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
+              names_of(c_.output.gauges));
+  }
+
+  /// Like refer(), and the name may mean one thing only.
+  void refer_one(const Scope& scope, std::string_view key, const std::string& name, const std::string& what,
+                 std::vector<std::string> names, const std::vector<std::string>& more) const {
+    names.insert(names.end(), more.begin(), more.end());
+    refer(scope, key, name, what, names);
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      scope.explain(key, fmt::format("\"{}\" is the name of more than one {}", name, what));
+    }
+  }
+
+  void check_group(const Scope& scope, const Where& where) const {
+    if (!where.group) return;
+    const bool grid_file = std::holds_alternative<std::string>(c_.grid);
+    const bool body_file =
+        std::any_of(c_.bodies.begin(), c_.bodies.end(), [](const Body& b) { return !b.mesh_file.empty(); });
+    if (grid_file || body_file) return;
+    scope.explain("where", "a group needs a grid or a body from a Gmsh file");
+  }
+
+  void check_groups() const {
+    for (const NodeBoundary& b : c_.boundaries) check_group(at("boundary", b.name), b.where);
+    for (const Pressure& p : c_.pressures) check_group(at("pressure", p.name), p.where);
+  }
+
+  const Case& c_;
+  Scope root_;
+};
+
+}  // namespace
+
+void check_case(const Case& c, Node& root, Problems& problems) { Checker(c, root, problems).run(); }
+
+}  // namespace berm

@@ -1,0 +1,105 @@
+/// Supports and loads: boundaries, pins, pressures, contacts.
+
+#include <numbers>
+
+#include "case/tables.hpp"
+
+namespace berm {
+namespace {
+
+Table<Where> where_box_table() {
+  Table<Where> t("Everything inside this rectangle; a missing corner does not limit.");
+  t.pair("min", &Where::min, Unit::length, "lower left corner");
+  t.pair("max", &Where::max, Unit::length, "upper right corner");
+  t.check([](Scope& s, Where& w) {
+    s.at_least_one({"min", "max"});
+    if (w.min && w.max && !(w.min->array() <= w.max->array()).all())
+      s.error("max", "must lie above and to the right of \"min\"");
+  });
+  return t;
+}
+
+Table<Where::Sector> sector_table() {
+  using Sector = Where::Sector;
+  Table<Sector> t("Everything between two directions seen from a centre.");
+  t.pair("centre", &Sector::centre, Unit::length, "from where the angles are seen").required();
+  t.number("from", &Sector::from, Unit::angle, {}, "first direction, counter-clockwise from the x axis").required();
+  t.number("to", &Sector::to, Unit::angle, {}, "last direction, larger than `from`, by 360 degrees at most").required();
+  t.check([](Scope& s, Sector& sector) {
+    const double span = sector.to - sector.from;
+    if (span <= 0.0 || span > 2.0 * std::numbers::pi * (1.0 + 1e-12)) {
+      s.error("to", "must be larger than \"from\", by 360 deg at most (add 360 to pass the x axis)");
+    }
+  });
+  return t;
+}
+
+Table<Where> where_table() {
+  Table<Where> t("Where it acts: inside all of these that are given.");
+  t.table(
+       "box", [](Where& w) -> Where& { return w; }, where_box_table())
+      .no_default();
+  t.string("group", &Where::group, "name of a physical curve",
+           "nodes of that curve of the Gmsh file of the grid or body");
+  t.table("sector", &Where::sector, sector_table());
+  t.check([](Scope& s, Where&) { s.at_least_one({"box", "group", "sector"}); });
+  return t;
+}
+
+void read_fix(Scope& scope, Node::Entry& entry, Pin& pin) {
+  const auto i = read_choice(scope, entry, {"x", "y", "xy"});
+  if (!i) return;
+  pin.x = *i != 1;
+  pin.y = *i != 0;
+}
+
+}  // namespace
+
+Table<NodeBoundary> boundary_table() {
+  Table<NodeBoundary> t(
+      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux` and `uy`.");
+  t.table("where", &NodeBoundary::where, where_table()).required();
+  t.number("ux", &NodeBoundary::ux, Unit::length, {},
+           "displacement along x at time 1, linear in time; free without it");
+  t.number("uy", &NodeBoundary::uy, Unit::length, {},
+           "displacement along y at time 1, linear in time; free without it");
+  t.check([](Scope& s, NodeBoundary&) { s.at_least_one({"ux", "uy"}); });
+  return t;
+}
+
+Table<Pin> pin_table() {
+  Table<Pin> t("Holds a material point inside a body, to stop rigid motion where no boundary does.");
+  t.string("body", &Pin::body, "name of a deformable body", "whose point").required();
+  t.pair("at", &Pin::at, Unit::length, "reference position").required();
+  t.custom(choice_info("fix", {"x", "y", "xy"}, "held directions"), read_fix).required();
+  return t;
+}
+
+Table<Pressure> pressure_table() {
+  Table<Pressure> t(
+      "Pressure on the surface of a body. The loaded points move with the material; direction and area are those of "
+      "the "
+      "reference state.");
+  t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
+  t.table("where", &Pressure::where, where_table()).required();
+  t.number("value", &Pressure::value, Unit::stress, {}, "at time 1, linear in time; positive pushes into the body")
+      .required();
+  return t;
+}
+
+Table<Contact> contact_table() {
+  using Kind = Contact::Kind;
+  Table<Contact> t("A deformable body's surface against a rigid body.");
+  t.string("body", &Contact::body, "name of a deformable body", "the body").required();
+  t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches").required();
+  t.choice("kind", &Contact::kind,
+           std::vector<std::pair<std::string, Kind>>{
+               {"tie", Kind::tie}, {"no_slip", Kind::no_slip}, {"frictionless", Kind::frictionless}},
+           "tie: surfaces that touch at the start move together; no_slip: can open, no sliding; frictionless: can open "
+           "and slide");
+  t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
+           "penalty in units of Young's modulus over cell size");
+  return t;
+}
+
+}  // namespace berm

@@ -1,0 +1,25 @@
+#include "case/read_case.hpp"
+
+#include "case/load.hpp"
+#include "case/tables.hpp"
+
+namespace berm {
+
+Case read_case(const std::string& path, const std::vector<std::string>& overrides) {
+  Problems problems;
+  Node root = load_case(path, overrides, problems);
+  problems.throw_if_any(path);  // without a tree every key would be missing
+
+  Case c;
+  c.file = path;
+  Scope scope{problems, root, "", {path, "", 0, 0}};
+  case_table().read(scope, c);
+  check_case(c, root, problems);
+  problems.throw_if_any(path);
+
+  c.resolved = "# The effective case: base merged, overrides applied, defaults written out.\n" + write_toml(root);
+  c.warnings = problems.warnings();
+  return c;
+}
+
+}  // namespace berm

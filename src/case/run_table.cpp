@@ -1,0 +1,122 @@
+/// What drives the run and what it writes.
+
+#include "case/tables.hpp"
+
+namespace berm {
+namespace {
+
+Table<Nominal> nominal_table() {
+  Table<Nominal> t("Which load and which displacement make the nominal stress-strain curve.");
+  t.string("load", &Nominal::load, "name of a rigid body, boundary or pressure", "whose reaction is the load");
+  t.string("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
+           "whose motion is the imposed displacement");
+  t.pair("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
+  t.number("area", &Nominal::area, Unit::none, positive(), "nominal stress = load / area [m2]");
+  t.number("length", &Nominal::length, Unit::length, positive(), "nominal strain = displacement / length");
+  t.check([](Scope& s, Nominal& n) {
+    if (n.direction.norm() > 0.0) {
+      n.direction.normalize();
+    } else {
+      s.error("direction", "must not be zero");
+    }
+  });
+  return t;
+}
+
+}  // namespace
+
+Table<Control> control_table() {
+  using Kind = Control::Kind;
+  const auto by_gauge = [](const Scope&, const Control& c) { return c.kind == Kind::gauge; };
+  Table<Control> t("What grows linearly in time from 0 to 1.");
+  t.choice(
+      "kind", &Control::kind, std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
+      "time: displacements and loads; gauge: the change of a gauge, while all loads are scaled by an unknown factor");
+  t.string("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
+      .required()
+      .only(by_gauge, "with kind = \"gauge\"");
+  t.number("target", &Control::target, Unit::length, {}, "change of the gauge at time 1")
+      .required()
+      .only(by_gauge, "with kind = \"gauge\"");
+  t.check([](Scope& s, Control& c) {
+    if (c.kind == Kind::gauge && c.target == 0.0) s.error("target", "must not be zero");
+  });
+  return t;
+}
+
+Table<Steps> steps_table() {
+  Table<Steps> t("How time 0 to 1 is cut into increments.");
+  t.integer("count", &Steps::count, {1.0}, "increments when none is cut");
+  t.boolean("adaptive", &Steps::adaptive, "steps shrink where they must and grow again where they can");
+  t.number("min_fraction", &Steps::min_fraction, Unit::none, {0.0, 1.0, true, false},
+           "smallest step, as a fraction of 1/count");
+  t.number("max_fraction", &Steps::max_fraction, Unit::none, positive(), "largest step, as a fraction of 1/count");
+  t.number("error_tolerance", &Steps::error_tolerance, Unit::none, positive(),
+           "impl_ex: largest difference aimed at between the damage used and the damage of the step");
+  t.integer("easy_iterations", &Steps::easy_iterations, {1.0}, "implicit: steps grow after fewer iterations than this");
+  t.check([](Scope& s, Steps& steps) {
+    if (steps.max_fraction < steps.min_fraction) s.error("max_fraction", "must not be smaller than \"min_fraction\"");
+  });
+  return t;
+}
+
+Table<Solver> solver_table() {
+  using SnapBack = Solver::SnapBack;
+  Table<Solver> t("How a step is solved.");
+  t.choice("integration", &Solver::integration,
+           std::vector<std::pair<std::string, Integration>>{
+               {"implicit", Integration::implicit}, {"impl_ex", Integration::impl_ex}, {"lagged", Integration::lagged}},
+           "damage of the step itself, extrapolated (always converges, small steps), or of the step before");
+  t.choice("snap_back", &Solver::snap_back,
+           std::vector<std::pair<std::string, SnapBack>>{{"stop", SnapBack::stop}, {"impl_ex", SnapBack::impl_ex}},
+           "implicit: what to do when even the smallest step finds no solution");
+  t.number("relative_tolerance", &Solver::relative_tolerance, Unit::none, {0.0, 1.0, true, true},
+           "residual over reactions and loads");
+  t.number("absolute_tolerance", &Solver::absolute_tolerance, Unit::none, positive(),
+           "residual in units of Young's modulus, cell size and thickness, for unloaded bodies");
+  t.integer("max_iterations", &Solver::max_iterations, {1.0, 10000.0}, "Newton iterations before the step is cut");
+  t.boolean("line_search", &Solver::line_search, "shorten Newton steps that do not reduce the residual");
+  t.number("ghost_penalty", &Solver::ghost_penalty, Unit::none, non_negative(),
+           "stabilisation of barely filled cells in units of Young's modulus; 0 switches it off");
+  t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
+  return t;
+}
+
+Table<Output> output_table() {
+  Table<Output> t("What is written.");
+  t.integer("vtk_every", &Output::vtk_every, {0.0}, "steps between VTK files; 0: `frames` decides");
+  t.integer("frames", &Output::frames, {0.0, 100000.0},
+            "VTK files over the run, evenly spaced, beside first, peak and last");
+  KeyInfo references = plain_info("references", "array of files", "array", "CSV curves for the report to compare with");
+  references.json.set("items", plain_info("", "", "string", "").json);
+  t.custom(references, [](Scope& s, Node::Entry& e, Output& output) {
+    if (const auto files = read_files(s, e, false)) output.references = *files;
+  });
+  t.table("nominal", &Output::nominal, nominal_table());
+  return t;
+}
+
+Table<Gauge> gauge_table() {
+  Table<Gauge> t("Change of the distance between two material points, along the line that joins them at the start.");
+  t.pair("from", &Gauge::from, Unit::length, "reference position of the first point").required();
+  t.pair("to", &Gauge::to, Unit::length, "reference position of the second point").required();
+  t.check([](Scope& s, Gauge& gauge) {
+    if (gauge.from == gauge.to) s.error("to", "must differ from \"from\"");
+  });
+  return t;
+}
+
+Table<Probe> probe_table() {
+  using Q = Quantity;
+  const std::vector<std::pair<std::string, Q>> quantities = {
+      {"stress_xx", Q::stress_xx}, {"stress_yy", Q::stress_yy},           {"stress_zz", Q::stress_zz},
+      {"stress_xy", Q::stress_xy}, {"strain_xx", Q::strain_xx},           {"strain_yy", Q::strain_yy},
+      {"strain_xy", Q::strain_xy}, {"displacement_x", Q::displacement_x}, {"displacement_y", Q::displacement_y},
+      {"damage", Q::damage}};
+  Table<Probe> t("A quantity at a material point, over the run.");
+  t.pair("at", &Probe::at, Unit::length, "reference position").required();
+  t.choice("quantity", &Probe::quantity, quantities, "what is recorded").required();
+  return t;
+}
+
+}  // namespace berm

@@ -1,0 +1,218 @@
+#include "case/scope.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "case/units.hpp"
+
+namespace berm {
+namespace {
+
+std::string an_entry(const Scope& scope, std::string_view key) { return fmt::format("\"{}\"{}", key, scope.where()); }
+
+/// An item of an array dressed as an entry, so that the readers of single values serve for arrays too.
+Node::Entry item_entry(const Node::Entry& array, std::size_t i, const Node& item) {
+  return {fmt::format("{}[{}]", array.key, i), item.place, item};
+}
+
+void wrong_type(const Scope& scope, const Node::Entry& entry, std::string_view wanted) {
+  scope.problems.error(entry.value.place, fmt::format("{} must be {}, not {}", an_entry(scope, entry.key), wanted,
+                                                      entry.value.type_name()));
+}
+
+}  // namespace
+
+std::string Scope::where() const { return path.empty() ? " at the top level" : fmt::format(" in [{}]", path); }
+
+Place Scope::place_of(std::string_view key) const {
+  const Node::Entry* entry = node.find(key);
+  return entry ? entry->value.place : place;
+}
+
+std::string Scope::path_of(std::string_view key) const {
+  return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+void Scope::error(std::string_view key, const std::string& text) const {
+  problems.error(place_of(key), fmt::format("{} {}", an_entry(*this, key), text));
+}
+
+void Scope::explain(std::string_view key, const std::string& text) const {
+  problems.error(place_of(key), fmt::format("{}: {}", an_entry(*this, key), text));
+}
+
+void Scope::warn(std::string_view key, const std::string& text) const { problems.warn(place_of(key), text); }
+
+void Scope::missing(std::string_view key, const std::string& what) const {
+  problems.error(place, fmt::format("missing key {} ({})", an_entry(*this, key), what));
+}
+
+std::optional<Scope> Scope::child(Node::Entry& entry) const {
+  if (!entry.value.is_object()) {
+    wrong_type(*this, entry, "a table");
+    return std::nullopt;
+  }
+  return Scope{problems, entry.value, path_of(entry.key), entry.value.place};
+}
+
+void Scope::exactly_one(const std::vector<std::string>& keys) const {
+  at_least_one(keys);
+  const Node::Entry* first = nullptr;
+  for (const std::string& key : keys) {
+    const Node::Entry* entry = node.find(key);
+    if (!entry) continue;
+    if (!first) {
+      first = entry;
+      continue;
+    }
+    std::string remedy;
+    if (first->value.place.file != entry->value.place.file) {
+      const Node::Entry* inherited = first->value.place.file == place.file ? entry : first;
+      remedy = fmt::format(" (\"{}\" comes from {}; drop it with remove = [\"{}\"])", inherited->key,
+                           inherited->value.place.text(), path_of(inherited->key));
+    }
+    error(key, fmt::format("cannot stand beside \"{}\"{}", first->key, remedy));
+  }
+}
+
+void Scope::at_least_one(const std::vector<std::string>& keys) const {
+  for (const std::string& key : keys) {
+    if (has(key)) return;
+  }
+  problems.error(place, fmt::format("missing{}: one of {}", where(), fmt::join(keys, ", ")));
+}
+
+std::optional<double> read_number(const Scope& scope, const Node::Entry& entry, Unit unit, const Range& range) {
+  const Node::Value& value = entry.value.value;
+  double number = 0.0;
+  if (const double* d = std::get_if<double>(&value)) {
+    number = *d * file_factor(unit);
+  } else if (const std::int64_t* i = std::get_if<std::int64_t>(&value)) {
+    number = static_cast<double>(*i) * file_factor(unit);
+  } else if (entry.value.string() && unit != Unit::none) {
+    const Parsed parsed = parse_quantity(*entry.value.string(), unit);
+    if (!parsed.error.empty()) {
+      scope.problems.error(entry.value.place, fmt::format("{}: {}", an_entry(scope, entry.key), parsed.error));
+      return std::nullopt;
+    }
+    number = parsed.value;
+  } else {
+    wrong_type(scope, entry, unit == Unit::none ? "a number" : "a number or a string with a unit");
+    return std::nullopt;
+  }
+  if (!std::isfinite(number) || !in_range(range, number)) {
+    const std::string bounds = std::isfinite(number) ? range_text(range, unit) : "finite";
+    scope.problems.error(entry.value.place, fmt::format("{} must be {}, is {:.6g} {}", an_entry(scope, entry.key),
+                                                        bounds, number / file_factor(unit), file_unit(unit)));
+    return std::nullopt;
+  }
+  return number;
+}
+
+std::optional<int> read_integer(const Scope& scope, const Node::Entry& entry, const Range& range) {
+  const std::int64_t* i = std::get_if<std::int64_t>(&entry.value.value);
+  if (!i) {
+    wrong_type(scope, entry, "a whole number");
+    return std::nullopt;
+  }
+  if (*i < -2147483647 || *i > 2147483647 || !in_range(range, static_cast<double>(*i))) {
+    const std::string bounds = range_text(range, Unit::none);
+    scope.problems.error(
+        entry.value.place,
+        fmt::format("{} must be {}, is {}", an_entry(scope, entry.key),
+                    bounds.empty() || in_range(range, static_cast<double>(*i)) ? "at most 2147483647" : bounds, *i));
+    return std::nullopt;
+  }
+  return static_cast<int>(*i);
+}
+
+std::optional<bool> read_boolean(const Scope& scope, const Node::Entry& entry) {
+  if (const bool* b = std::get_if<bool>(&entry.value.value)) return *b;
+  wrong_type(scope, entry, "true or false");
+  return std::nullopt;
+}
+
+std::optional<std::string> read_string(const Scope& scope, const Node::Entry& entry) {
+  if (const std::string* s = entry.value.string()) return *s;
+  wrong_type(scope, entry, "a string");
+  return std::nullopt;
+}
+
+std::optional<Vec2> read_pair(const Scope& scope, const Node::Entry& entry, Unit unit, const Range& range) {
+  const Node::Array* items = entry.value.array();
+  if (!items || items->size() != 2) {
+    scope.problems.error(entry.value.place,
+                         fmt::format("{} must be an array of two numbers", an_entry(scope, entry.key)));
+    return std::nullopt;
+  }
+  const auto x = read_number(scope, item_entry(entry, 0, (*items)[0]), unit, range);
+  const auto y = read_number(scope, item_entry(entry, 1, (*items)[1]), unit, range);
+  if (!x || !y) return std::nullopt;
+  return Vec2(*x, *y);
+}
+
+std::optional<std::vector<Vec2>> read_points(const Scope& scope, const Node::Entry& entry) {
+  const Node::Array* items = entry.value.array();
+  if (!items) {
+    wrong_type(scope, entry, "an array of [x, y] points");
+    return std::nullopt;
+  }
+  std::vector<Vec2> points;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const auto point = read_pair(scope, item_entry(entry, i, (*items)[i]), Unit::length);
+    if (!point) return std::nullopt;
+    points.push_back(*point);
+  }
+  return points;
+}
+
+std::optional<std::size_t> read_choice(const Scope& scope, const Node::Entry& entry,
+                                       const std::vector<std::string>& names) {
+  const auto word = read_string(scope, entry);
+  if (!word) return std::nullopt;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (names[i] == *word) return i;
+  }
+  scope.problems.error(entry.value.place, fmt::format("{}: unknown value \"{}\"{}", an_entry(scope, entry.key), *word,
+                                                      suggestion(*word, names)));
+  return std::nullopt;
+}
+
+std::optional<std::string> read_file(const Scope& scope, Node::Entry& entry, bool needed) {
+  const auto written = read_string(scope, entry);
+  if (!written) return std::nullopt;
+  namespace fs = std::filesystem;
+  const std::string path = fs::absolute(fs::path(entry.value.place.folder()) / *written).lexically_normal().string();
+  entry.value.value = path;
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) {
+    const std::string text =
+        fmt::format("{}: file \"{}\" does not exist (looked for {})", an_entry(scope, entry.key), *written, path);
+    if (needed) {
+      scope.problems.error(entry.value.place, text);
+    } else {
+      scope.problems.warn(entry.value.place, text);
+    }
+  }
+  return path;
+}
+
+std::optional<std::vector<std::string>> read_files(const Scope& scope, Node::Entry& entry, bool needed) {
+  Node::Array* items = entry.value.array();
+  if (!items) {
+    wrong_type(scope, entry, "an array of file names");
+    return std::nullopt;
+  }
+  std::vector<std::string> files;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    Node::Entry item = item_entry(entry, i, (*items)[i]);
+    if (const auto file = read_file(scope, item, needed)) files.push_back(*file);
+    (*items)[i] = item.value;
+  }
+  return files;
+}
+
+}  // namespace berm

@@ -1,0 +1,56 @@
+#pragma once
+/// The table of a case file that is being read, and readers of single values. Every reader reports what is wrong and
+/// then returns nothing.
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/parameter.hpp"
+#include "base/tensor.hpp"
+#include "case/problems.hpp"
+
+namespace berm {
+
+struct Scope {
+  Problems& problems;
+  Node& node;        ///< a table
+  std::string path;  ///< "body.specimen"; "" for the top level
+  Place place;       ///< where complaints about something missing point to
+
+  bool has(std::string_view key) const { return node.find(key) != nullptr; }
+  /// Error at the key's value, or at the table if the key is absent: `"key" in [path] <text>`.
+  void error(std::string_view key, const std::string& text) const;
+  /// Error at the key's value: `"key" in [path]: <text>`, for texts that quote the value.
+  void explain(std::string_view key, const std::string& text) const;
+  void warn(std::string_view key, const std::string& text) const;
+  void missing(std::string_view key, const std::string& what) const;
+  /// ` in [path]`, or ` at the top level`.
+  std::string where() const;
+  /// The place of a key's value, or of the table.
+  Place place_of(std::string_view key) const;
+  std::string path_of(std::string_view key) const;
+  /// The table under a key; reports a value that is not a table.
+  std::optional<Scope> child(Node::Entry& entry) const;
+
+  /// Reports if not exactly (at least) one of the keys is given.
+  void exactly_one(const std::vector<std::string>& keys) const;
+  void at_least_one(const std::vector<std::string>& keys) const;
+};
+
+/// A number in SI and radians; strings carry units, bare angles are degrees.
+std::optional<double> read_number(const Scope&, const Node::Entry&, Unit, const Range&);
+std::optional<int> read_integer(const Scope&, const Node::Entry&, const Range&);
+std::optional<bool> read_boolean(const Scope&, const Node::Entry&);
+std::optional<std::string> read_string(const Scope&, const Node::Entry&);
+std::optional<Vec2> read_pair(const Scope&, const Node::Entry&, Unit, const Range& = {});
+std::optional<std::vector<Vec2>> read_points(const Scope&, const Node::Entry&);
+/// Index into `names`.
+std::optional<std::size_t> read_choice(const Scope&, const Node::Entry&, const std::vector<std::string>& names);
+/// An absolute path, resolved against the folder of the file that holds the entry; written back into the entry.
+/// A file that does not exist is an error, or a warning if it is not `needed`.
+std::optional<std::string> read_file(const Scope&, Node::Entry&, bool needed);
+std::optional<std::vector<std::string>> read_files(const Scope&, Node::Entry&, bool needed);
+
+}  // namespace berm

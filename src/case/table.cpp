@@ -1,0 +1,160 @@
+#include "case/table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "case/units.hpp"
+
+namespace berm {
+namespace {
+
+Node words(const std::vector<std::string>& items) {
+  Node::Array array;
+  for (const std::string& item : items) array.emplace_back(item);
+  return Node(std::move(array));
+}
+
+Node typed(const std::string& json_type) {
+  Node node;
+  node.set("type", Node(json_type));
+  return node;
+}
+
+void set_bounds(Node& json, const Range& range, Unit unit) {
+  if (std::isfinite(range.min))
+    json.set(range.min_open ? "exclusiveMinimum" : "minimum", Node(range.min / file_factor(unit)));
+  if (std::isfinite(range.max))
+    json.set(range.max_open ? "exclusiveMaximum" : "maximum", Node(range.max / file_factor(unit)));
+}
+
+Node number_schema(Unit unit, const Range& range) {
+  Node number = typed("number");
+  set_bounds(number, range, unit);
+  if (unit == Unit::none) return number;
+  Node text = typed("string");
+  text.set("description", Node("number with a unit: " + unit_list(unit)));
+  Node either;
+  either.set("anyOf", Node(Node::Array{number, text}));
+  return either;
+}
+
+std::string bracketed(Unit unit) { return unit == Unit::none ? "" : fmt::format(" [{}]", file_unit(unit)); }
+
+KeyInfo make_info(const std::string& key, const std::string& type, Node json, const std::string& doc) {
+  KeyInfo info;
+  info.key = key;
+  info.type = type;
+  info.doc = doc;
+  info.json = std::move(json);
+  return info;
+}
+
+}  // namespace
+
+KeyInfo number_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
+  KeyInfo info = make_info(key, "number" + bracketed(unit), number_schema(unit, range), doc);
+  info.range = range_text(range, unit);
+  return info;
+}
+
+KeyInfo integer_info(const std::string& key, const Range& range, const std::string& doc) {
+  KeyInfo info = make_info(key, "whole number", typed("integer"), doc);
+  set_bounds(info.json, range, Unit::none);
+  info.range = range_text(range, Unit::none);
+  return info;
+}
+
+KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
+  Node json = typed("array");
+  json.set("items", number_schema(unit, range));
+  json.set("minItems", Node(std::int64_t{2}));
+  json.set("maxItems", Node(std::int64_t{2}));
+  KeyInfo info = make_info(key, "[x, y]" + bracketed(unit), std::move(json), doc);
+  info.range = range_text(range, unit);
+  return info;
+}
+
+KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc) {
+  Node json;
+  json.set("enum", words(names));
+  return make_info(key, fmt::format("\"{}\"", fmt::join(names, "\", \"")), std::move(json), doc);
+}
+
+KeyInfo plain_info(const std::string& key, const std::string& type, const std::string& json_type,
+                   const std::string& doc) {
+  return make_info(key, type, typed(json_type), doc);
+}
+
+KeyInfo table_info(const std::string& key, const std::string& doc, std::vector<KeyInfo> children, bool named) {
+  Node json = object_schema(children);
+  if (named) {
+    Node outer = typed("object");
+    Node names;
+    names.set("pattern", Node(std::string("^[A-Za-z0-9_-]+$")));
+    outer.set("propertyNames", std::move(names));
+    outer.set("additionalProperties", std::move(json));
+    json = std::move(outer);
+  }
+  KeyInfo info = make_info(key, "table", std::move(json), doc);
+  info.children = std::move(children);
+  info.named = named;
+  return info;
+}
+
+Node object_schema(const std::vector<KeyInfo>& keys) {
+  Node properties;
+  for (const KeyInfo& info : keys) {
+    Node json = info.json;
+    json.set("description", Node(info.condition.empty() ? info.doc : info.doc + " (only " + info.condition + ")"));
+    if (Node::Entry* twin = properties.find(info.key)) {  // the same key of two laws
+      Node either;
+      either.set("anyOf", Node(Node::Array{std::move(twin->value), std::move(json)}));
+      json = std::move(either);
+    }
+    properties.set(info.key, std::move(json));
+  }
+  Node json = typed("object");
+  json.set("additionalProperties", Node(false));
+  json.set("properties", std::move(properties));
+  return json;
+}
+
+std::optional<Node> number_node(double value, Unit unit) { return Node(value / file_factor(unit)); }
+
+std::optional<Node> number_node(const std::optional<double>& value, Unit unit) {
+  return value ? number_node(*value, unit) : std::nullopt;
+}
+
+std::optional<Node> pair_to_node(const Vec2& value, Unit unit) {
+  return pair_node(value.x() / file_factor(unit), value.y() / file_factor(unit));
+}
+
+std::optional<Node> pair_to_node(const std::optional<Vec2>& value, Unit unit) {
+  return value ? pair_to_node(*value, unit) : std::nullopt;
+}
+
+std::string default_text(const Node& node) {
+  Node wrapped;
+  wrapped.set("x", node);
+  const std::string text = write_toml(wrapped);  // "x = ...\n"
+  return text.substr(4, text.size() - 5);
+}
+
+void report_unknown(const Scope& scope, const std::vector<std::string>& valid) {
+  for (const Node::Entry& entry : scope.node.object()) {
+    if (std::find(valid.begin(), valid.end(), entry.key) != valid.end()) continue;
+    scope.problems.error(entry.place,
+                         fmt::format("unknown key \"{}\"{}{}", entry.key, scope.where(), suggestion(entry.key, valid)));
+  }
+}
+
+void report_bad_name(const Scope& scope, const Node::Entry& entry) {
+  constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
+  if (!entry.key.empty() && entry.key.find_first_not_of(allowed) == std::string::npos) return;
+  scope.problems.error(entry.place,
+                       fmt::format("name \"{}\"{} must be made of letters, digits, _ and -", entry.key, scope.where()));
+}
+
+}  // namespace berm

@@ -1,0 +1,286 @@
+#pragma once
+/// The builder of the one table that parses a case file, fills its defaults and documents it.
+///
+///   Table<Steps> t("How the run is cut into increments.");
+///   t.integer("count", &Steps::count, {1, 1e9}, "increments that cover time 0..1");
+///
+/// A key's default is what the struct's own initialiser says, unless `.required()` or `.no_default()` follows. `member`
+/// is a member pointer or a function from T& to a reference; std::optional members are filled when the key is given.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "case/scope.hpp"
+
+namespace berm {
+
+/// What the manual says about a key.
+struct KeyInfo {
+  std::string key, type, range, default_text, condition, doc;
+  bool required = false;
+  bool named = false;             ///< `children` are the keys of [key.NAME]
+  Node json;                      ///< JSON Schema of the value
+  std::vector<KeyInfo> children;  ///< of a table
+};
+
+KeyInfo number_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
+KeyInfo integer_info(const std::string& key, const Range& range, const std::string& doc);
+KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
+KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc);
+/// Any key whose value has that JSON type.
+KeyInfo plain_info(const std::string& key, const std::string& type, const std::string& json_type,
+                   const std::string& doc);
+KeyInfo table_info(const std::string& key, const std::string& doc, std::vector<KeyInfo> children, bool named);
+/// JSON Schema of a table with exactly these keys.
+Node object_schema(const std::vector<KeyInfo>& keys);
+/// How a default is written in a case file; nothing for values that are unset.
+std::optional<Node> number_node(double value, Unit unit);
+std::optional<Node> number_node(const std::optional<double>& value, Unit unit);
+std::optional<Node> pair_to_node(const Vec2& value, Unit unit);
+std::optional<Node> pair_to_node(const std::optional<Vec2>& value, Unit unit);
+/// Text of a default for the manual.
+std::string default_text(const Node& node);
+/// Reports the keys of the table that are not in `valid`.
+void report_unknown(const Scope& scope, const std::vector<std::string>& valid);
+
+/// Reports a NAME of [key.NAME] that could not serve as a column or file name.
+void report_bad_name(const Scope& scope, const Node::Entry& entry);
+
+template <class T>
+class Table {
+public:
+  using Read = std::function<void(Scope&, Node::Entry&, T&)>;
+  using Default = std::function<std::optional<Node>(T&)>;
+
+  explicit Table(std::string doc) : doc_(std::move(doc)) {}
+
+  template <class M>
+  Table& number(const std::string& key, M member, Unit unit, Range range, const std::string& doc) {
+    return add(
+        number_info(key, unit, range, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto v = read_number(s, e, unit, range)) std::invoke(member, t) = *v;
+        },
+        [=](T& t) { return number_node(std::invoke(member, t), unit); });
+  }
+
+  template <class M>
+  Table& integer(const std::string& key, M member, Range range, const std::string& doc) {
+    return add(
+        integer_info(key, range, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto v = read_integer(s, e, range)) std::invoke(member, t) = *v;
+        },
+        [=](T& t) { return std::optional<Node>(Node(std::int64_t{std::invoke(member, t)})); });
+  }
+
+  template <class M>
+  Table& boolean(const std::string& key, M member, const std::string& doc) {
+    return add(
+        plain_info(key, "true or false", "boolean", doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto v = read_boolean(s, e)) std::invoke(member, t) = *v;
+        },
+        [=](T& t) { return std::optional<Node>(Node(bool{std::invoke(member, t)})); });
+  }
+
+  /// Free text, or the name of something (`type` says of what). Absent by default.
+  template <class M>
+  Table& string(const std::string& key, M member, const std::string& type, const std::string& doc) {
+    return custom(plain_info(key, type, "string", doc), [=](Scope& s, Node::Entry& e, T& t) {
+      if (const auto v = read_string(s, e)) std::invoke(member, t) = *v;
+    });
+  }
+
+  /// Path of a file. Absent by default.
+  template <class M>
+  Table& file(const std::string& key, M member, const std::string& doc) {
+    return custom(plain_info(key, "file", "string", doc), [=](Scope& s, Node::Entry& e, T& t) {
+      if (const auto v = read_file(s, e, true)) std::invoke(member, t) = *v;
+    });
+  }
+
+  template <class M>
+  Table& pair(const std::string& key, M member, Unit unit, const std::string& doc, Range range = {}) {
+    return add(
+        pair_info(key, unit, range, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto v = read_pair(s, e, unit, range)) std::invoke(member, t) = *v;
+        },
+        [=](T& t) { return pair_to_node(std::invoke(member, t), unit); });
+  }
+
+  template <class M, class E>
+  Table& choice(const std::string& key, M member, const std::vector<std::pair<std::string, E>>& options,
+                const std::string& doc) {
+    std::vector<std::string> names;
+    for (const auto& option : options) names.push_back(option.first);
+    return add(
+        choice_info(key, names, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto i = read_choice(s, e, names)) std::invoke(member, t) = options[*i].second;
+        },
+        [=](T& t) -> std::optional<Node> {
+          for (const auto& [name, value] : options) {
+            if (std::invoke(member, t) == value) return Node(name);
+          }
+          return std::nullopt;
+        });
+  }
+
+  /// A table in this table. Its defaults hold when it is absent, except for optional members and after `.no_default()`.
+  template <class M, class U>
+  Table& table(const std::string& key, M member, const Table<U>& inner) {
+    const auto read = [=](Scope& s, Node::Entry& e, T& t) {
+      auto child = s.child(e);
+      if (!child) return;
+      auto& target = std::invoke(member, t);
+      if constexpr (std::is_convertible_v<decltype(target), U&>) {
+        inner.read(*child, target);
+      } else {
+        inner.read(*child, target.emplace());
+      }
+    };
+    custom(table_info(key, inner.doc(), inner.keys(), false), read);
+    constexpr bool is_plain = std::is_convertible_v<std::invoke_result_t<M, T&>, U&>;
+    fields_.back().read_absent = is_plain;
+    return *this;
+  }
+
+  /// Tables [key.NAME]: one element of the vector each, whose `name` is NAME.
+  template <class M, class U>
+  Table& named(const std::string& key, M member, const std::string& doc, std::vector<KeyInfo> children,
+               std::function<void(Scope&, U&)> read_one) {
+    return custom(table_info(key, doc, std::move(children), true), [=](Scope& s, Node::Entry& e, T& t) {
+      auto all = s.child(e);
+      if (!all) return;
+      for (Node::Entry& one : all->node.object()) {
+        report_bad_name(*all, one);
+        auto scope = all->child(one);
+        if (!scope) continue;
+        U& element = std::invoke(member, t).emplace_back();
+        element.name = one.key;
+        read_one(*scope, element);
+      }
+    });
+  }
+  template <class M, class U>
+  Table& named(const std::string& key, M member, const Table<U>& inner) {
+    return named<M, U>(key, member, inner.doc(), inner.keys(), [=](Scope& s, U& u) { inner.read(s, u); });
+  }
+
+  /// A key with its own reader; without a default unless `fallback` gives one.
+  Table& custom(KeyInfo info, Read read, Default fallback = nullptr) {
+    return add(std::move(info), std::move(read), std::move(fallback));
+  }
+
+  // Said of the key added last:
+  Table& required() {
+    fields_.back().info.required = true;
+    return no_default();
+  }
+  Table& no_default() {
+    fields_.back().fallback = nullptr;
+    fields_.back().read_absent = false;
+    return *this;
+  }
+  /// The key may only be given (and has its default only) if `condition` holds; `text` completes "only ...".
+  /// Conditions see the keys that were added before.
+  Table& only(std::function<bool(const Scope&, const T&)> condition, const std::string& text) {
+    fields_.back().condition = std::move(condition);
+    fields_.back().info.condition = text;
+    return *this;
+  }
+  Table& only_with(const std::string& key) {
+    return only([=](const Scope& s, const T&) { return s.has(key); }, "with \"" + key + "\"");
+  }
+  Table& only_without(const std::string& key) {
+    return only([=](const Scope& s, const T&) { return !s.has(key); }, "without \"" + key + "\"");
+  }
+
+  /// Runs after all keys have been read without an error; before defaults are written.
+  Table& check(std::function<void(Scope&, T&)> rule) {
+    rules_.push_back(std::move(rule));
+    return *this;
+  }
+
+  void read(Scope& scope, T& out) const {
+    const std::size_t errors_before = scope.problems.count();
+    report_unknown(scope, valid_keys());
+    for (const Field& field : fields_) read_field(field, scope, out);
+    if (scope.problems.count() != errors_before) return;
+    for (const auto& rule : rules_) rule(scope, out);
+    write_defaults(scope, out);
+  }
+
+  const std::string& doc() const { return doc_; }
+  std::vector<KeyInfo> keys() const {
+    std::vector<KeyInfo> infos;
+    for (const Field& field : fields_) {
+      infos.push_back(field.info);
+      T fresh{};
+      const auto node = field.fallback ? field.fallback(fresh) : std::nullopt;
+      if (node) infos.back().default_text = default_text(*node);
+    }
+    return infos;
+  }
+
+private:
+  struct Field {
+    KeyInfo info;
+    Read read;
+    Default fallback;
+    std::function<bool(const Scope&, const T&)> condition;
+    bool read_absent = false;  ///< a table that is read as an empty one if it is absent
+  };
+
+  Table& add(KeyInfo info, Read read, Default fallback) {
+    fields_.push_back({std::move(info), std::move(read), std::move(fallback), nullptr, false});
+    return *this;
+  }
+
+  std::vector<std::string> valid_keys() const {
+    std::vector<std::string> valid;
+    for (const Field& field : fields_) valid.push_back(field.info.key);
+    return valid;
+  }
+
+  void read_field(const Field& field, Scope& scope, T& out) const {
+    const std::string& key = field.info.key;
+    Node::Entry* entry = scope.node.find(key);
+    const bool allowed = !field.condition || field.condition(scope, out);
+    if (entry && !allowed) {
+      scope.error(key, "is only allowed " + field.info.condition);
+    } else if (entry) {
+      field.read(scope, *entry, out);
+    } else if (field.info.required && allowed) {
+      scope.missing(key, field.info.type);
+    } else if (field.read_absent && allowed) {
+      Node::Entry empty{key, scope.place, Node(Node::Object{}, scope.place)};
+      field.read(scope, empty, out);
+      if (!empty.value.object().empty()) scope.node.set(key, std::move(empty.value));
+    }
+  }
+
+  void write_defaults(Scope& scope, const T& out) const {
+    for (const Field& field : fields_) {
+      if (!field.fallback || scope.has(field.info.key)) continue;
+      if (field.condition && !field.condition(scope, out)) continue;
+      T fresh{};
+      if (auto node = field.fallback(fresh)) {
+        node->place = scope.place;
+        scope.node.set(field.info.key, std::move(*node));
+      }
+    }
+  }
+
+  std::string doc_;
+  std::vector<Field> fields_;
+  std::vector<std::function<void(Scope&, T&)>> rules_;
+};
+
+}  // namespace berm

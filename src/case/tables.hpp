@@ -1,0 +1,48 @@
+#pragma once
+/// The tables of the case file, by topic; case_table() is the whole of it.
+
+#include "case/case.hpp"
+#include "case/table.hpp"
+
+namespace berm {
+
+// shape_table.cpp
+KeyInfo shape_info();
+Node shape_schema();
+void read_shape(Scope& scope, Node::Entry& entry, Body& body);
+/// How far the shape reaches from the origin along an axis [m].
+double largest_coordinate(const Shape& shape);
+/// Structured meshes are for boxes alone.
+bool is_box(const std::optional<Shape>& shape);
+
+// material_table.cpp
+std::vector<KeyInfo> material_keys();
+std::string material_doc();
+/// Reads [material.NAME]; which keys there are depends on `law`.
+void read_material(Scope& scope, Material& material);
+
+// body_table.cpp
+Table<Body> body_table();
+
+// load_table.cpp
+Table<NodeBoundary> boundary_table();
+Table<Pin> pin_table();
+Table<Pressure> pressure_table();
+Table<Contact> contact_table();
+
+// run_table.cpp
+Table<Control> control_table();
+Table<Steps> steps_table();
+Table<Solver> solver_table();
+Table<Output> output_table();
+Table<Gauge> gauge_table();
+Table<Probe> probe_table();
+
+// case_table.cpp
+const Table<Case>& case_table();
+
+// check_case.cpp
+/// What no single table can see: names that refer to other tables, what the method needs.
+void check_case(const Case& c, Node& root, Problems& problems);
+
+}  // namespace berm
