@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace berm {
 
@@ -71,31 +72,68 @@ BoundaryCurve from_run(const TaggedEdge& first, const TaggedEdge& last, const st
   curve.a = first.a;
   curve.b = last.b;
   if (first.disc < 0) return curve;
-  const Disc& disc = discs[first.disc].disc;
   curve.arc = true;
-  curve.centre = disc.centre;
-  curve.radius = disc.radius;
-  curve.from = angle_of(first.a - disc.centre);
-  const double to = angle_of(last.b - disc.centre);
-  curve.sweep = first.counter_clockwise ? positive_angle(to - curve.from) : -positive_angle(curve.from - to);
+  curve.centre = discs[first.disc].disc.centre;
+  curve.radius = discs[first.disc].disc.radius;
+  curve.sweep = first.counter_clockwise ? 1.0 : -1.0;  // the size follows when the corners are known
   return curve;
 }
 
-void append_curves(const Ring& ring, const std::vector<ChordDisc>& discs, std::vector<BoundaryCurve>& curves) {
+void set_angles(BoundaryCurve& curve) {
+  if (!curve.arc || curve.full) return;
+  curve.from = angle_of(curve.a - curve.centre);
+  const double turn = angle_of(curve.b - curve.centre) - curve.from;
+  curve.sweep = curve.sweep > 0.0 ? positive_angle(turn) : -positive_angle(-turn);
+}
+
+/// Value and gradient of a function that is zero on the curve (and on its extension).
+std::pair<double, Vec2> implicit_form(const BoundaryCurve& curve, const Vec2& x) {
+  if (!curve.arc) return {curve.normal(0.0).dot(x - curve.a), curve.normal(0.0)};
+  const Vec2 offset = x - curve.centre;
+  return {0.5 * (offset.squaredNorm() / curve.radius - curve.radius), offset / curve.radius};
+}
+
+/// Intersection of two curves close to `start`, by Newton; `start` itself where they touch without crossing.
+Vec2 true_corner(const BoundaryCurve& one, const BoundaryCurve& two, const Vec2& start) {
+  const double reach = 1e-2 * std::max(one.radius, two.radius);
+  Vec2 x = start;
+  for (int it = 0; it < 20; ++it) {
+    const auto [f, df] = implicit_form(one, x);
+    const auto [g, dg] = implicit_form(two, x);
+    const double det = cross(df, dg);
+    if (std::abs(det) < 1e-6) return start;
+    const Vec2 step((f * dg.y() - g * df.y()) / det, (g * df.x() - f * dg.x()) / det);
+    x -= step;
+    if ((x - start).norm() > reach) return start;
+    if (step.norm() < 1e-15 * reach) break;
+  }
+  return x;
+}
+
+std::vector<BoundaryCurve> loop_of(const Ring& ring, const std::vector<ChordDisc>& discs) {
   const std::vector<TaggedEdge> edges = tagged_edges(ring, discs);
   const std::size_t n = edges.size();
   std::size_t start = 0;
   while (start < n && continues(edges[(start + n - 1) % n], edges[start])) ++start;
-  if (start == n) {
-    curves.push_back(full_circle(discs[edges[0].disc].disc, edges[0].counter_clockwise));
-    return;
-  }
+  if (start == n) return {full_circle(discs[edges[0].disc].disc, edges[0].counter_clockwise)};
+  std::vector<BoundaryCurve> loop;
   for (std::size_t i = 0; i < n;) {
     std::size_t j = i;
     while (j + 1 < n && continues(edges[(start + j) % n], edges[(start + j + 1) % n])) ++j;
-    curves.push_back(from_run(edges[(start + i) % n], edges[(start + j) % n], discs));
+    loop.push_back(from_run(edges[(start + i) % n], edges[(start + j) % n], discs));
     i = j + 1;
   }
+  std::vector<Vec2> corners;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const BoundaryCurve& next = loop[(i + 1) % loop.size()];
+    corners.push_back(loop[i].arc || next.arc ? true_corner(loop[i], next, loop[i].b) : loop[i].b);
+  }
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    loop[i].a = corners[(i + loop.size() - 1) % loop.size()];
+    loop[i].b = corners[i];
+    set_angles(loop[i]);
+  }
+  return loop;
 }
 
 }  // namespace
@@ -129,10 +167,10 @@ Vec2 BoundaryCurve::extreme(const Vec2& direction) const {
   return full || (t > 0.0 && t < 1.0) ? top : best;
 }
 
-std::vector<BoundaryCurve> boundary_curves(const ShapeRings& shape) {
-  std::vector<BoundaryCurve> curves;
-  for (const Ring& ring : shape.rings) append_curves(ring, shape.discs, curves);
-  return curves;
+std::vector<std::vector<BoundaryCurve>> boundary_loops(const ShapeRings& shape) {
+  std::vector<std::vector<BoundaryCurve>> loops;
+  for (const Ring& ring : shape.rings) loops.push_back(loop_of(ring, shape.discs));
+  return loops;
 }
 
 }  // namespace berm

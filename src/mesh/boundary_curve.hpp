@@ -10,11 +10,11 @@ namespace berm {
 /// A straight side or an arc, the body to its left.
 struct BoundaryCurve {
   bool arc = false;
-  Vec2 a, b;                       ///< ends of a straight side [m]
-  Vec2 centre;                     ///< of an arc [m]
-  double radius = 0.0;             ///< of an arc [m]
-  double from = 0.0, sweep = 0.0;  ///< of an arc [rad]; sweep < 0: the body lies outside of the circle
-  bool full = false;               ///< a whole circle: no ends
+  Vec2 a = Vec2::Zero(), b = Vec2::Zero();  ///< ends [m]
+  Vec2 centre = Vec2::Zero();               ///< of an arc [m]
+  double radius = 0.0;                      ///< of an arc [m]
+  double from = 0.0, sweep = 0.0;           ///< of an arc [rad]; sweep < 0: the body lies outside of the circle
+  bool full = false;                        ///< a whole circle: no ends
 
   double length() const;
   Vec2 point(double t) const;                 ///< t = 0..1 along the curve
@@ -23,7 +23,8 @@ struct BoundaryCurve {
   Vec2 extreme(const Vec2& direction) const;  ///< the point farthest in that direction
 };
 
-/// Joins collinear edges and the chords of one circle.
-std::vector<BoundaryCurve> boundary_curves(const ShapeRings& shape);
+/// The sides of every ring in order, collinear edges and the chords of one circle joined. Corners with arcs are moved
+/// from the chords to the intersection of the true curves.
+std::vector<std::vector<BoundaryCurve>> boundary_loops(const ShapeRings& shape);
 
 }  // namespace berm

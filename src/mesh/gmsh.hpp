@@ -22,7 +22,8 @@ struct BodyMeshOptions {
   bool structured = false;  ///< boxes: transfinite round(length/size) cells per side; triangles: halved quads
 };
 
-/// Meshes a shape (box alone: structured on request; everything else: Gmsh's frontal algorithms, quads by full-quad recombination).
+/// Meshes a shape (box alone: structured on request; everything else: Gmsh's frontal algorithms, quads by full-quad
+/// recombination).
 Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options);
 
 }  // namespace berm

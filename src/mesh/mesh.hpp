@@ -20,10 +20,10 @@ constexpr int nodes_of(CellKind kind) {
 constexpr int corners_of(CellKind kind) { return kind == CellKind::tri3 || kind == CellKind::tri6 ? 3 : 4; }
 
 struct Mesh {
-  std::vector<Vec2> nodes;          ///< coordinates [m]
-  std::vector<CellKind> kinds;      ///< one per cell
-  std::vector<int> offsets = {0};   ///< cell c has connectivity[offsets[c] .. offsets[c+1])
-  std::vector<int> connectivity;    ///< node numbers
+  std::vector<Vec2> nodes;                              ///< coordinates [m]
+  std::vector<CellKind> kinds;                          ///< one per cell
+  std::vector<int> offsets = {0};                       ///< cell c has connectivity[offsets[c] .. offsets[c+1])
+  std::vector<int> connectivity;                        ///< node numbers
   std::map<std::string, std::vector<int>> cell_groups;  ///< Gmsh physical surfaces: cells
   std::map<std::string, std::vector<int>> node_groups;  ///< Gmsh physical curves: nodes
 

@@ -55,8 +55,8 @@ struct Region::Impl {
   EdgeBins bins;
   double total_area = 0.0;
 
-  Impl(const Shape& s, int arc_segments)
-      : shape(evaluate_shape(s, arc_segments)), curves(boundary_curves(shape)), bins(shape.rings) {
+  Impl(const Shape& s, int arc_segments) : shape(evaluate_shape(s, arc_segments)), bins(shape.rings) {
+    for (const auto& loop : boundary_loops(shape)) curves.insert(curves.end(), loop.begin(), loop.end());
     Moments moments;
     for (const Ring& ring : shape.rings) moments.add(ring, bins.centre());
     total_area = moments.area;

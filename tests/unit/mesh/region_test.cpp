@@ -184,8 +184,8 @@ TEST(Region, BoundaryLengthsAndNormals) {
   EXPECT_NEAR(area_by_boundary(ring, 0.05), ring.area(), 1e-12);
 
   const Region half(minus({disc(0, 0, 1), box(-2, -2, 2, 0)}));
-  EXPECT_NEAR(boundary_length(half, 0.01), pi + 2, 1e-4);
-  EXPECT_NEAR(area_by_boundary(half, 0.01), half.area(), 1e-4);
+  EXPECT_NEAR(boundary_length(half, 0.01), pi + 2, 1e-12);
+  EXPECT_NEAR(area_by_boundary(half, 0.01), half.area(), 2e-5);
   int straight = 0;
   for (const BoundaryPiece& p : half.boundary(0.01))
     if (p.centre.y() < 1e-12) {

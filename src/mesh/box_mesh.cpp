@@ -1,0 +1,118 @@
+#include "mesh/box_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace berm {
+
+namespace {
+
+void collect_lines(const Shape& shape, std::array<std::vector<double>, 2>& lines) {
+  if (const Box* box = std::get_if<Box>(&shape.form)) {
+    for (int d = 0; d < 2; ++d) lines[d].insert(lines[d].end(), {box->min[d], box->max[d]});
+  } else {
+    for (const Shape& part : std::get<Combination>(shape.form).parts) collect_lines(part, lines);
+  }
+}
+
+/// Coordinates of the mesh lines between `low` and `high`, breakpoints included.
+std::vector<double> divide(std::vector<double> breaks, double low, double high, double size) {
+  const double tolerance = 1e-9 * (high - low);
+  std::sort(breaks.begin(), breaks.end());
+  std::vector<double> kept;
+  for (double x : breaks)
+    if (x >= low - tolerance && x <= high + tolerance && (kept.empty() || x - kept.back() > tolerance))
+      kept.push_back(x);
+  std::vector<double> lines = {kept[0]};
+  for (std::size_t k = 0; k + 1 < kept.size(); ++k) {
+    const double length = kept[k + 1] - kept[k];
+    // Halves are rounded up in spite of rounding errors: 14.5 cells become 15 on every side of a symmetric body.
+    const int n = std::max(1, static_cast<int>(std::floor(length / size + 0.5 + 1e-9)));
+    for (int i = 1; i <= n; ++i) lines.push_back(i == n ? kept[k + 1] : kept[k] + i * length / n);
+  }
+  return lines;
+}
+
+/// Adds the cell's nodes to the mesh on first use.
+class NodeTable {
+public:
+  NodeTable(Mesh& mesh, const std::vector<double>& x, const std::vector<double>& y)
+      : mesh_(mesh), x_(x), y_(y), number_(x.size() * y.size(), -1) {}
+  int operator()(std::size_t i, std::size_t j) {
+    int& number = number_[j * x_.size() + i];
+    if (number < 0) {
+      number = mesh_.n_nodes();
+      mesh_.nodes.emplace_back(x_[i], y_[j]);
+    }
+    return number;
+  }
+
+private:
+  Mesh& mesh_;
+  const std::vector<double>&x_, &y_;
+  std::vector<int> number_;
+};
+
+/// The same cells with mid-side nodes.
+Mesh with_mid_sides(const Mesh& linear) {
+  Mesh mesh;
+  mesh.nodes = linear.nodes;
+  std::map<std::pair<int, int>, int> mid_of;
+  for (int c = 0; c < linear.n_cells(); ++c) {
+    const int corners = corners_of(linear.kinds[c]);
+    std::array<int, 8> nodes{};
+    for (int i = 0; i < corners; ++i) {
+      const int a = linear.cell(c)[i], b = linear.cell(c)[(i + 1) % corners];
+      const auto [place, is_new] = mid_of.emplace(std::minmax(a, b), mesh.n_nodes());
+      if (is_new) mesh.nodes.push_back(0.5 * (mesh.nodes[a] + mesh.nodes[b]));
+      nodes[i] = a;
+      nodes[corners + i] = place->second;
+    }
+    mesh.add_cell(corners == 3 ? CellKind::tri6 : CellKind::quad8, nodes.data());
+  }
+  return mesh;
+}
+
+}  // namespace
+
+bool only_boxes(const Shape& shape) {
+  if (std::holds_alternative<Box>(shape.form)) return true;
+  const Combination* combination = std::get_if<Combination>(&shape.form);
+  return combination && std::all_of(combination->parts.begin(), combination->parts.end(), only_boxes);
+}
+
+Mesh mesh_boxes(const Shape& shape, const BodyMeshOptions& options) {
+  const Region region(shape);
+  std::array<std::vector<double>, 2> breaks;
+  collect_lines(shape, breaks);
+  const Vec2 low = region.min(), high = region.max();
+  const Vec2 cells = (high - low) / options.size;
+  if (cells.x() * cells.y() > 1e8)
+    throw InputError(fmt::format("mesh: size {:g} m gives too many cells", options.size));
+  const std::vector<double> x = divide(breaks[0], low.x(), high.x(), options.size);
+  const std::vector<double> y = divide(breaks[1], low.y(), high.y(), options.size);
+  Mesh mesh;
+  NodeTable node(mesh, x, y);
+  for (std::size_t j = 0; j + 1 < y.size(); ++j)
+    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+      if (!region.contains(Vec2(0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])))) continue;
+      const int a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
+      const bool right = (i + j) % 2 == 0;
+      const int quad[4] = {a, b, c, d}, lower[3] = {a, b, right ? c : d}, upper[3] = {right ? a : b, c, d};
+      if (options.kind == BodyMeshKind::quads) {
+        mesh.add_cell(CellKind::quad4, quad);
+      } else {
+        mesh.add_cell(CellKind::tri3, lower);
+        mesh.add_cell(CellKind::tri3, upper);
+      }
+    }
+  return options.order == 2 ? with_mid_sides(mesh) : mesh;
+}
+
+}  // namespace berm
