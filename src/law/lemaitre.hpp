@@ -1,5 +1,5 @@
 #pragma once
-/// Lemaitre's isotropic damage with the two norms of the strain of the thesis's eq. 24. docs/theory/damage.md.
+/// Lemaitre's isotropic damage with two norms of the strain as measure. docs/theory/damage.md.
 
 #include "law/exponential_damage.hpp"
 #include "law/principal.hpp"

@@ -44,7 +44,7 @@ inline MazarsShares mazars_shares(const Vec3& e, const IsotropicElastic& solid) 
   return share;
 }
 
-/// One classical branch, eq. (33): d = 1 - kappa0 (1 - a) / kappa - a exp(-b (kappa - kappa0)).
+/// One classical branch, eq. (33).
 inline Softened mazars_branch(double kappa, double kappa0, double a, double b) {
   const double e = a * std::exp(-b * (kappa - kappa0)), h = kappa0 * (1.0 - a) / kappa;
   return {1.0 - h - e, h / kappa + b * e};
