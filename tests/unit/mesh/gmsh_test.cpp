@@ -1,5 +1,6 @@
 #include "mesh/gmsh.hpp"
 
+#include <gmsh.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -144,12 +145,15 @@ TEST(ReadMsh, ErrorsNameFileAndReason) {
       {"", "empty"},
       {"hello\n", "$MeshFormat"},
       {"$MeshFormat\n1.0 0 8\n$EndMeshFormat\n", "version 1.0"},
-      {"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "no plane cells"},
+      {"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "no nodes"},
+      {replaced(two_squares, "$Nodes\n8", "$Nodes\n7"), "$EndNodes is expected"},
+      {replaced(two_squares, "20 5 5 1\n", "1 5 5 1\n"), "exists already"},
+      {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 2 2 2 2 2 4"), "has 3 nodes"},
       {replaced(two_squares, "4 2 1 0", "4 2 1 0.5"), "z = 0.5"},
       {replaced(two_squares, "6 2 2 2 2 2 13 4", "6 2 2 2 2 2 13 77"), "77"},
       {replaced(two_squares, "6 2 2 2 2 2 13 4", "6 2 2 2 2 2 13 13"), "twice"},
       {replaced(two_squares, "13 2 0 0", "13 1.5 0.5 0"), "degenerate"},
-      {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 4 2 2 2 2 4 5 1"), "not supported"},
+      {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 4 2 2 2 2 4 5 1"), "type 4 is not supported"},
       {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 10 2 2 2 1 2 5 6 4 9 20 13 4"), "not supported"},
       {std::string(two_squares).substr(0, 300), ""},
   };
@@ -167,6 +171,40 @@ TEST(ReadMsh, TruncatedFilesAreErrors) {
     const File file(text.substr(0, length));
     EXPECT_THROW(read_msh(file.path()), InputError) << length;
   }
+}
+
+TEST(ReadMsh, WhatGmshItselfWrites) {
+  const std::string path = (std::filesystem::temp_directory_path() / "berm_round_trip.msh").string();
+  for (double version : {2.2, 4.1})
+    for (bool binary : {false, true})
+      for (int order : {1, 2}) {
+        with_gmsh("round trip", [&] {
+          namespace geo = gmsh::model::geo;
+          gmsh::option::setNumber("Mesh.MshFileVersion", version);
+          gmsh::option::setNumber("Mesh.Binary", binary);
+          gmsh::option::setNumber("Mesh.ElementOrder", order);
+          gmsh::option::setNumber("Mesh.SecondOrderIncomplete", 1);
+          gmsh::option::setNumber("Mesh.RecombineAll", 0);
+          const int p[] = {geo::addPoint(0, 0, 0, 0.2), geo::addPoint(2, 0, 0, 0.2), geo::addPoint(2, 1, 0, 0.2),
+                           geo::addPoint(0, 1, 0, 0.2)};
+          std::vector<int> lines;
+          for (int i = 0; i < 4; ++i) lines.push_back(geo::addLine(p[i], p[(i + 1) % 4]));
+          const int surface = geo::addPlaneSurface({geo::addCurveLoop(lines)});
+          geo::synchronize();
+          gmsh::model::setPhysicalName(2, gmsh::model::addPhysicalGroup(2, {surface}), "plate");
+          gmsh::model::setPhysicalName(1, gmsh::model::addPhysicalGroup(1, {lines[2]}), "top");
+          gmsh::model::mesh::generate(2);
+          gmsh::write(path);
+          return Mesh();
+        });
+        const Mesh mesh = read_msh(path);
+        EXPECT_TRUE(all_of_kind(mesh, order == 1 ? CellKind::tri3 : CellKind::tri6));
+        EXPECT_NEAR(total_area(mesh), 2.0, 1e-12);
+        EXPECT_EQ(mesh.cell_groups.at("plate").size(), static_cast<std::size_t>(mesh.n_cells()));
+        EXPECT_EQ(mesh.node_groups.at("top").size(), order == 1 ? 11u : 21u);
+        for (int n : mesh.node_groups.at("top")) EXPECT_NEAR(mesh.nodes[n].y(), 1.0, 1e-12);
+      }
+  std::filesystem::remove(path);
 }
 
 TEST(MeshShape, StructuredBox) {
