@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "case/tables.hpp"
+#include "mesh/box_mesh.hpp"
 
 namespace berm {
 namespace {
@@ -18,7 +19,7 @@ Table<BodyMeshOptions> mesh_table() {
   t.choice("kind", &BodyMeshOptions::kind, mesh_kinds, "shape of the elements");
   t.number("size", &BodyMeshOptions::size, Unit::length, positive(), "edge length").required();
   t.integer("order", &BodyMeshOptions::order, mesh_order, "1: linear, 2: quadratic elements");
-  t.boolean("structured", &BodyMeshOptions::structured, "regular rows of elements; boxes only");
+  t.boolean("structured", &BodyMeshOptions::structured, "regular rows of elements; shapes made of boxes only");
   return t;
 }
 
@@ -28,11 +29,13 @@ std::vector<int> gauss_rules(std::optional<BodyMeshKind> kind) {
   return *kind == BodyMeshKind::triangles ? std::vector<int>{1, 3, 6, 12} : std::vector<int>{1, 4, 9, 16};
 }
 
+bool from_file(const Scope& points) { return points.outer && points.outer->has("file"); }
+
 void check_points(Scope& scope, PointSeeding& p) {
   const bool has_mesh = scope.has("mesh");
-  if (!has_mesh && !scope.has("per_element")) return;
+  if (!has_mesh && !from_file(scope)) return;
   p.kind = PointSeeding::Kind::mesh;
-  if (!scope.has("per_element")) {
+  if (has_mesh && !scope.has("per_element")) {
     p.per_element = p.mesh.kind == BodyMeshKind::triangles ? 3 : 4;
     scope.node.set("per_element", Node(std::int64_t{p.per_element}, scope.place));
   }
@@ -42,85 +45,77 @@ void check_points(Scope& scope, PointSeeding& p) {
 }
 
 Table<PointSeeding> points_table() {
-  const auto on_grid = [](const Scope& s, const PointSeeding&) { return !s.has("mesh") && !s.has("per_element"); };
-  using Placement = PointSeeding::Placement;
+  const auto on_grid = [](const Scope& s, const PointSeeding&) { return !s.has("mesh") && !from_file(s); };
+  const auto with_shape = [](const Scope& s, const PointSeeding&) { return !from_file(s); };
+  const auto on_mesh = [](const Scope& s, const PointSeeding&) { return s.has("mesh") || from_file(s); };
+  const std::string on_grid_text = "without \"mesh\", in bodies with a shape";
+  const std::vector<std::pair<std::string, PointSeeding::Placement>> placements = {
+      {"gauss", PointSeeding::Placement::gauss}, {"uniform", PointSeeding::Placement::uniform}};
   Table<PointSeeding> t(
-      "Where the material points start (method \"mpm\"): in the cells of the background grid, or at "
-      "the Gauss points of a mesh of the body.");
+      "Where the material points start (method \"mpm\"): in the cells of the background grid, or at the Gauss points "
+      "of a "
+      "mesh of the body.");
   t.choice(
-       "mesh", [](PointSeeding & p) -> auto& { return p.mesh.kind; }, mesh_kinds,
-       "seed from a mesh of the body with these elements")
-      .no_default();
-  t.integer("per_direction", &PointSeeding::per_direction, {1.0, 20.0}, "points per grid cell and direction")
-      .only(on_grid, "without \"mesh\" and \"per_element\"");
-  t.choice("placement", &PointSeeding::placement,
-           std::vector<std::pair<std::string, Placement>>{{"gauss", Placement::gauss}, {"uniform", Placement::uniform}},
-           "positions in grid cells that the body fills")
-      .only(on_grid, "without \"mesh\" and \"per_element\"");
+      "mesh", [](PointSeeding & p) -> auto& { return p.mesh.kind; }, mesh_kinds,
+      "seed from a mesh of the body with these elements");
+  t.no_default().only(with_shape, "in bodies with a shape");
+  t.integer("per_direction", &PointSeeding::per_direction, {1.0, 20.0}, "points per grid cell and direction");
+  t.only(on_grid, on_grid_text);
+  t.choice("placement", &PointSeeding::placement, placements, "positions in grid cells that the body fills");
+  t.only(on_grid, on_grid_text);
   t.number(
-       "size", [](PointSeeding & p) -> auto& { return p.mesh.size; }, Unit::length, positive(),
-       "edge length of that mesh")
-      .required()
-      .only_with("mesh");
+      "size", [](PointSeeding & p) -> auto& { return p.mesh.size; }, Unit::length, positive(),
+      "edge length of that mesh");
+  t.required().only_with("mesh");
   t.integer(
-       "order", [](PointSeeding & p) -> auto& { return p.mesh.order; }, mesh_order, "order of that mesh")
-      .only_with("mesh");
+      "order", [](PointSeeding & p) -> auto& { return p.mesh.order; }, mesh_order, "order of that mesh");
+  t.only_with("mesh");
   t.boolean(
-       "structured", [](PointSeeding & p) -> auto& { return p.mesh.structured; },
-       "that mesh has regular rows of elements; boxes only")
-      .only_with("mesh");
-  t.integer(
-       "per_element", &PointSeeding::per_element, {1.0, 16.0},
-       "Gauss points of an element: triangles 1, 3, 6, 12 (default 3); quads 1, 4, 9, 16 (default 4); alone: of the "
-       "elements of the body's `file`")
-      .no_default();
+      "structured", [](PointSeeding & p) -> auto& { return p.mesh.structured; },
+      "that mesh has regular rows of elements; shapes made of boxes only");
+  t.only_with("mesh");
+  t.integer("per_element", &PointSeeding::per_element, {1.0, 16.0},
+            "Gauss points of an element: triangles 1, 3, 6, 12 (default 3); quads 1, 4, 9, 16 (default 4)");
+  t.no_default().only(on_mesh, "with \"mesh\", or in bodies from a file (there it is required)");
   t.check(check_points);
   return t;
 }
 
 void check_structured(const Scope& scope, std::string_view key, const BodyMeshOptions& mesh, const Body& body) {
   Node::Entry* entry = scope.node.find(key);
-  if (!entry || !mesh.structured || is_box(body.shape)) return;
-  scope.child(*entry)->error("structured", "is for boxes only");
+  if (!entry || !mesh.structured || !body.shape || only_boxes(*body.shape)) return;
+  scope.child(*entry)->error("structured", "is for shapes made of boxes only");
 }
 
 void check_body(Scope& scope, Body& body) {
   scope.exactly_one({"shape", "file"});
-  if (Node::Entry* entry = scope.node.find("points")) {
-    const Scope points = *scope.child(*entry);
-    if (body.shape && points.has("per_element") && !points.has("mesh"))
-      points.error("per_element", "is only allowed with \"mesh\"");
-    if (!body.shape && points.has("mesh"))
-      points.error("mesh", "is not for a body from a file, which has its own mesh (give \"per_element\" alone)");
-  }
   check_structured(scope, "points", body.points.mesh, body);
+  check_structured(scope, "mesh", body.mesh, body);
   const double reach = body.shape ? largest_coordinate(*body.shape) : 0.0;
   if (reach > 1000.0) scope.warn("shape", fmt::format("[{}] reaches {:.6g} m: did you mean mm?", scope.path, reach));
-  check_structured(scope, "mesh", body.mesh, body);
 }
 
 }  // namespace
 
 Table<Body> body_table() {
   const auto deformable = [](const Scope&, const Body& b) { return !b.rigid; };
+  const auto meshed = [](const Scope& s, const Body& b) { return !b.rigid && !s.has("file"); };
+  const auto rigid = [](const Scope&, const Body& b) { return b.rigid; };
   Table<Body> t("A deformable body, or a rigid one that pushes. One of `shape` and `file`.");
   t.boolean("rigid", &Body::rigid, "moves as told and never deforms");
-  t.string("material", &Body::material, "name of a material", "what it is made of")
-      .required()
-      .only(deformable, "in deformable bodies");
+  t.string("material", &Body::material, "name of a material", "what it is made of");
+  t.required().only(deformable, "in deformable bodies");
   t.custom(shape_info(), read_shape);
   t.file("file", &Body::mesh_file, "Gmsh mesh (.msh 2.2 or 4.1) of plane cells");
+  t.only(deformable, "in deformable bodies");
   t.string("group", &Body::mesh_group, "name of a physical surface",
-           "part of the file that is the body; all cells without it")
-      .only_with("file");
+           "part of the file that is the body; else all cells");
+  t.only_with("file");
   t.table("points", &Body::points, points_table()).only(deformable, "in deformable bodies");
-  t.table("mesh", &Body::mesh, mesh_table())
-      .no_default()
-      .only([](const Scope& s, const Body& b) { return !b.rigid && !s.has("file"); },
-            "in deformable bodies without \"file\"");
-  t.pair("displacement", &Body::displacement, Unit::length, "motion at time 1, linear in time")
-      .only([](const Scope&, const Body& b) { return b.rigid; },
-            "in rigid bodies (deformable ones are moved by [boundary.NAME])");
+  t.table("mesh", &Body::mesh, mesh_table());
+  t.no_default().only(meshed, "in deformable bodies with a shape");
+  t.pair("displacement", &Body::displacement, Unit::length, "motion at time 1, linear in time");
+  t.only(rigid, "in rigid bodies (deformable ones are moved by [boundary.NAME])");
   t.check(check_body);
   return t;
 }

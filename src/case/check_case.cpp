@@ -66,6 +66,19 @@ private:
     refer(scope, key, name, rigid ? "rigid body" : "deformable body", fitting);
   }
 
+  void check_body(const Body& body) const {
+    const Scope scope = at("body", body.name);
+    refer(scope, "material", body.material, "material", names_of(c_.materials));
+    if (body.rigid) return;
+    const Node::Entry* points = scope.node.find("points");
+    if (c_.method == Method::mpm && !body.mesh_file.empty() && !(points && points->value.find("per_element"))) {
+      scope.missing("points.per_element", "Gauss points of an element of the file; e.g. points = { per_element = 4 }");
+    }
+    if (c_.method == Method::fem && body.shape && !scope.has("mesh")) {
+      scope.missing("mesh", "method \"fem\" meshes the body; e.g. mesh = { kind = \"quads\", size = 0.01 }");
+    }
+  }
+
   void check_bodies() const {
     if (std::none_of(c_.bodies.begin(), c_.bodies.end(), [](const Body& b) { return !b.rigid; })) {
       fail("no deformable body (add a [body.NAME])");
@@ -75,11 +88,7 @@ private:
     std::vector<std::string> used;
     for (const Body& body : c_.bodies) {
       used.push_back(body.material);
-      const Scope scope = at("body", body.name);
-      refer(scope, "material", body.material, "material", names_of(c_.materials));
-      if (c_.method == Method::fem && !body.rigid && body.shape && !scope.has("mesh")) {
-        scope.missing("mesh", "method \"fem\" meshes the body; e.g. mesh = { kind = \"quads\", size = 0.01 }");
-      }
+      check_body(body);
     }
     for (const Material& material : c_.materials) {
       if (holds(used, material.name)) continue;

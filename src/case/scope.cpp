@@ -55,7 +55,7 @@ std::optional<Scope> Scope::child(Node::Entry& entry) const {
     wrong_type(*this, entry, "a table");
     return std::nullopt;
   }
-  return Scope{problems, entry.value, path_of(entry.key), entry.value.place};
+  return Scope{problems, entry.value, path_of(entry.key), entry.value.place, this};
 }
 
 void Scope::exactly_one(const std::vector<std::string>& keys) const {
@@ -105,8 +105,9 @@ std::optional<double> read_number(const Scope& scope, const Node::Entry& entry, 
   }
   if (!std::isfinite(number) || !in_range(range, number)) {
     const std::string bounds = std::isfinite(number) ? range_text(range, unit) : "finite";
-    scope.problems.error(entry.value.place, fmt::format("{} must be {}, is {:.6g} {}", an_entry(scope, entry.key),
-                                                        bounds, number / file_factor(unit), file_unit(unit)));
+    const std::string unit_text = unit == Unit::none ? "" : fmt::format(" {}", file_unit(unit));
+    scope.problems.error(entry.value.place, fmt::format("{} must be {}, is {:.6g}{}", an_entry(scope, entry.key),
+                                                        bounds, number / file_factor(unit), unit_text));
     return std::nullopt;
   }
   return number;

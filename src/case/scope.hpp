@@ -15,9 +15,10 @@ namespace berm {
 
 struct Scope {
   Problems& problems;
-  Node& node;        ///< a table
-  std::string path;  ///< "body.specimen"; "" for the top level
-  Place place;       ///< where complaints about something missing point to
+  Node& node;                    ///< a table
+  std::string path;              ///< "body.specimen"; "" for the top level
+  Place place;                   ///< where complaints about something missing point to
+  const Scope* outer = nullptr;  ///< the table that holds this one
 
   bool has(std::string_view key) const { return node.find(key) != nullptr; }
   /// Error at the key's value, or at the table if the key is absent: `"key" in [path] <text>`.

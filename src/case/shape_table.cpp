@@ -151,6 +151,4 @@ double largest_coordinate(const Shape& shape) {
   return std::visit(of, shape.form);
 }
 
-bool is_box(const std::optional<Shape>& shape) { return shape && std::holds_alternative<Box>(shape->form); }
-
 }  // namespace berm

@@ -12,8 +12,6 @@ Node shape_schema();
 void read_shape(Scope& scope, Node::Entry& entry, Body& body);
 /// How far the shape reaches from the origin along an axis [m].
 double largest_coordinate(const Shape& shape);
-/// Structured meshes are for boxes alone.
-bool is_box(const std::optional<Shape>& shape);
 
 // material_table.cpp
 std::vector<KeyInfo> material_keys();

@@ -1,0 +1,103 @@
+#pragma once
+/// All that a case says, as text with full precision: two cases are the same if their descriptions are.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "case/case.hpp"
+
+namespace berm {
+
+inline std::string describe(const Vec2& v) { return fmt::format("({}, {})", v.x(), v.y()); }
+inline std::string describe(double x) { return fmt::format("{}", x); }
+inline std::string describe(const std::string& text) { return text; }
+template <class T>
+std::string describe(const std::optional<T>& value) {
+  return value ? describe(*value) : "-";
+}
+
+inline std::string describe(const Shape& shape) {
+  if (const auto* box = std::get_if<Box>(&shape.form)) return "box " + describe(box->min) + describe(box->max);
+  if (const auto* disc = std::get_if<Disc>(&shape.form))
+    return "disc " + describe(disc->centre) + describe(disc->radius);
+  std::string text = "polygon";
+  if (const auto* polygon = std::get_if<Polygon>(&shape.form)) {
+    for (const Vec2& vertex : polygon->vertices) text += describe(vertex);
+    return text;
+  }
+  const auto& combination = std::get<Combination>(shape.form);
+  text = combination.kind == Combination::Kind::join ? "union{" : "difference{";
+  for (const Shape& part : combination.parts) text += describe(part) + ";";
+  return text + "}";
+}
+
+inline std::string describe(const BodyMeshOptions& m) {
+  return fmt::format("mesh {} {} {} {}", int(m.kind), m.size, m.order, m.structured);
+}
+
+inline std::string describe(const Where& w) {
+  std::string text = "where " + describe(w.min) + describe(w.max) + describe(w.group);
+  if (w.sector) text += describe(w.sector->centre) + fmt::format("{} {}", w.sector->from, w.sector->to);
+  return text;
+}
+
+inline std::string describe(const Material& m) {
+  std::string text = fmt::format("material {} {} {} {}", m.name, m.density, int(m.crack_band), m.crack_band_length);
+  std::visit(
+      [&]<class L>(const L& law) {
+        text += std::string(" ") + std::string(L::name);
+        for (const auto& p : L::parameters()) text += fmt::format(" {}={}", p.key, law.*(p.member));
+      },
+      m.law);
+  return text;
+}
+
+inline std::string describe(const Body& b) {
+  return fmt::format("body {} {} {} shape {} file {} {} points {} {} {} {} {} {} displacement {}", b.name, b.rigid,
+                     b.material, describe(b.shape), b.mesh_file, b.mesh_group, int(b.points.kind),
+                     b.points.per_direction, int(b.points.placement), b.points.per_element, describe(b.points.mesh),
+                     describe(b.mesh), describe(b.displacement));
+}
+
+inline std::string describe_grid(const Case& c) {
+  if (const auto* file = std::get_if<std::string>(&c.grid)) return "grid " + *file;
+  const auto& g = std::get<StructuredGrid>(c.grid);
+  return fmt::format("grid {} {} {} {} {} {}", int(g.kind), describe(g.origin), describe(g.cell_size), g.nx, g.ny,
+                     g.angle);
+}
+
+inline std::string describe_run(const Case& c) {
+  const Steps& t = c.steps;
+  const Solver& s = c.solver;
+  const Nominal& n = c.output.nominal;
+  return fmt::format(
+      "control {} {} {}\nsteps {} {} {} {} {} {}\nsolver {} {} {} {} {} {} {} {}\noutput {} {} {}\n"
+      "nominal {} {} {} {} {}\n",
+      int(c.control.kind), c.control.gauge, c.control.target, t.count, t.adaptive, t.min_fraction, t.max_fraction,
+      t.error_tolerance, t.easy_iterations, int(s.integration), int(s.snap_back), s.relative_tolerance,
+      s.absolute_tolerance, s.max_iterations, s.line_search, s.ghost_penalty, s.petsc, c.output.vtk_every,
+      c.output.frames, fmt::join(c.output.references, " "), n.load, n.displacement, describe(n.direction), n.area,
+      n.length);
+}
+
+inline std::string describe(const Case& c) {
+  std::string text = fmt::format("{} {} {} {} {} {}\n", c.title, int(c.method), int(c.plane), int(c.kinematics),
+                                 c.thickness, describe(c.gravity));
+  text += describe_grid(c) + "\n" + describe_run(c);
+  for (const auto& m : c.materials) text += describe(m) + "\n";
+  for (const auto& b : c.bodies) text += describe(b) + "\n";
+  for (const auto& b : c.boundaries)
+    text += fmt::format("boundary {} {} {} {}\n", b.name, describe(b.where), describe(b.ux), describe(b.uy));
+  for (const auto& p : c.pins) text += fmt::format("pin {} {} {} {} {}\n", p.name, p.body, describe(p.at), p.x, p.y);
+  for (const auto& p : c.pressures)
+    text += fmt::format("pressure {} {} {} {}\n", p.name, p.body, describe(p.where), p.value);
+  for (const auto& k : c.contacts)
+    text += fmt::format("contact {} {} {} {} {}\n", k.name, k.body, k.rigid, int(k.kind), k.stiffness);
+  for (const auto& g : c.output.gauges)
+    text += fmt::format("gauge {} {} {}\n", g.name, describe(g.from), describe(g.to));
+  for (const auto& p : c.output.probes)
+    text += fmt::format("probe {} {} {}\n", p.name, describe(p.at), int(p.quantity));
+  return text;
+}
+
+}  // namespace berm

@@ -1,0 +1,211 @@
+/// Cases that are right: what ends up in the structs, defaults, units, the resolved copy.
+
+#include "case/read_case.hpp"
+
+#include <numbers>
+
+#include "case_files.hpp"
+#include "describe.hpp"
+
+namespace berm {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180.0;
+
+class ReadCase : public CaseFiles {
+protected:
+  void SetUp() override {
+    CaseFiles::SetUp();
+    write("mesh/frame.msh", "only its existence counts here");
+    write("curve.csv", "");
+  }
+};
+
+TEST_F(ReadCase, smallCaseHasTheDefaultsOfTheStructs) {
+  const Case c = read(small_case);
+  EXPECT_EQ(c.method, Method::mpm);
+  EXPECT_EQ(c.plane, Plane::strain);
+  EXPECT_EQ(c.kinematics, Kinematics::finite);
+  EXPECT_EQ(c.thickness, 1.0);
+  EXPECT_EQ(c.gravity, Vec2(0.0, -9.81));
+  EXPECT_EQ(describe_run(c), describe_run(Case{}));
+  ASSERT_EQ(c.bodies.size(), 1u);
+  EXPECT_EQ(c.bodies[0].points.kind, PointSeeding::Kind::grid);
+  EXPECT_EQ(c.bodies[0].points.per_direction, 2);
+  EXPECT_EQ(c.materials[0].crack_band, Material::CrackBand::sqrt_area);
+  EXPECT_TRUE(c.warnings.empty());
+}
+
+TEST_F(ReadCase, gridAndModelInAllForms) {
+  const Case c = read(full_case);
+  EXPECT_EQ(c.title, "Splitting \"test\"");
+  EXPECT_EQ(c.plane, Plane::stress);
+  EXPECT_EQ(c.kinematics, Kinematics::small);
+  EXPECT_DOUBLE_EQ(c.thickness, 0.05);
+  EXPECT_EQ(c.gravity, Vec2(0.0, -9.81));
+  const auto& grid = std::get<StructuredGrid>(c.grid);
+  EXPECT_EQ(grid.kind, GridKind::union_jack);
+  EXPECT_NEAR(grid.origin.x(), -0.1, 1e-16);
+  EXPECT_EQ(grid.nx, 40);
+  EXPECT_EQ(grid.ny, 44);
+  EXPECT_NEAR(grid.cell_size.x(), 0.005, 1e-16);
+  EXPECT_NEAR(grid.cell_size.y(), 0.005, 1e-16);
+  EXPECT_NEAR(grid.angle, 20.0 * degree, 1e-15);
+}
+
+TEST_F(ReadCase, materialsKeepTheOrderOfTheFile) {
+  const Case c = read(full_case);
+  ASSERT_EQ(c.materials.size(), 2u);
+  EXPECT_EQ(c.materials[0].name, "concrete");
+  EXPECT_EQ(c.materials[0].density, 2410.0);
+  EXPECT_EQ(c.materials[0].crack_band, Material::CrackBand::fixed);
+  EXPECT_EQ(c.materials[0].crack_band_length, 0.005);
+  const auto& law = std::get<SimoJu>(c.materials[0].law);
+  EXPECT_EQ(law.youngs_modulus, 35.5e9);
+  EXPECT_EQ(law.tensile_strength, 3.05e6);
+  EXPECT_EQ(law.fracture_energy, 100.0);
+  EXPECT_EQ(law.strength_ratio, 12.3);
+  EXPECT_EQ(c.materials[1].crack_band, Material::CrackBand::equal_circle);
+  EXPECT_EQ(std::get<LinearElastic>(c.materials[1].law).youngs_modulus, 210e9);
+}
+
+TEST_F(ReadCase, bodiesInAllForms) {
+  const Case c = read(full_case);
+  ASSERT_EQ(c.bodies.size(), 3u);
+  const Body& disc = c.bodies[0];
+  EXPECT_EQ(disc.points.kind, PointSeeding::Kind::mesh);
+  EXPECT_EQ(disc.points.per_element, 6);
+  EXPECT_EQ(disc.points.mesh.kind, BodyMeshKind::triangles);
+  EXPECT_EQ(disc.points.mesh.order, 2);
+  EXPECT_EQ(disc.mesh.size, 0.005);
+  const auto& difference = std::get<Combination>(disc.shape->form);
+  EXPECT_EQ(difference.kind, Combination::Kind::difference);
+  EXPECT_EQ(std::get<Disc>(difference.parts[0].form).radius, 0.075);
+  const auto& join = std::get<Combination>(difference.parts[1].form);
+  EXPECT_EQ(join.kind, Combination::Kind::join);
+  EXPECT_EQ(std::get<Box>(join.parts[0].form).max, Vec2(0.01, 0.01));
+  EXPECT_EQ(std::get<Polygon>(join.parts[1].form).vertices.size(), 3u);
+  EXPECT_EQ(c.bodies[1].mesh_file, path("mesh/frame.msh"));
+  EXPECT_EQ(c.bodies[1].mesh_group, "core");
+  EXPECT_EQ(c.bodies[1].points.kind, PointSeeding::Kind::mesh);
+  EXPECT_TRUE(c.bodies[2].rigid);
+  EXPECT_EQ(c.bodies[2].displacement, Vec2(0.0, -1e-4));
+}
+
+TEST_F(ReadCase, triangleSeedsHaveThreePointsByDefault) {
+  const Case c = read(small_case + "points = { mesh = \"triangles\", size = 0.05 }\n");
+  EXPECT_EQ(c.bodies[0].points.per_element, 3);
+  const Case quads = read(small_case + "points = { mesh = \"quads\", size = 0.05 }\n");
+  EXPECT_EQ(quads.bodies[0].points.per_element, 4);
+}
+
+TEST_F(ReadCase, loadsAndOutput) {
+  const Case c = read(full_case);
+  EXPECT_EQ(c.boundaries[0].where.group, "side");
+  EXPECT_FALSE(c.boundaries[0].where.min);
+  EXPECT_EQ(*c.boundaries[0].where.max, Vec2(0.0, 1.0));
+  EXPECT_EQ(c.boundaries[0].ux, 0.0);
+  EXPECT_FALSE(c.boundaries[0].uy);
+  EXPECT_FALSE(c.pins[0].x);
+  EXPECT_TRUE(c.pins[0].y);
+  EXPECT_EQ(c.pressures[0].value, 1e6);
+  EXPECT_NEAR(c.pressures[0].where.sector->from, 84.261 * degree, 1e-15);
+  EXPECT_NEAR(c.pressures[0].where.sector->to, 95.739 * degree, 1e-15);
+  EXPECT_EQ(c.contacts[0].kind, Contact::Kind::frictionless);
+  EXPECT_EQ(c.control.kind, Control::Kind::gauge);
+  EXPECT_DOUBLE_EQ(c.control.target, 30e-6);
+  EXPECT_EQ(c.solver.integration, Integration::impl_ex);
+  EXPECT_EQ(c.output.nominal.direction, Vec2(0.6, 0.8));
+  EXPECT_EQ(c.output.references, std::vector<std::string>{path("curve.csv")});
+  EXPECT_EQ(c.output.probes[1].quantity, Quantity::displacement_y);
+}
+
+TEST_F(ReadCase, resolvedCopyIsTheSameCaseFromAnotherFolder) {
+  for (const std::string& text : {small_case, full_case, "method = \"fem\"\n" + small_case + "mesh.size = 0.1\n"}) {
+    const Case first = read(text);
+    const Case second = read_case(write("elsewhere/copy.toml", first.resolved));
+    EXPECT_EQ(describe(first), describe(second));
+    EXPECT_EQ(first.resolved, second.resolved);
+  }
+}
+
+TEST_F(ReadCase, resolvedCopyStatesDefaults) {
+  const std::string text = read(small_case).resolved;
+  for (const char* line :
+       {"method = \"mpm\"", "thickness = 1.0", "count = 100", "max_iterations = 25", "crack_band = \"sqrt_area\"",
+        "points = { per_direction = 2, placement = \"gauss\" }", "kind = \"time\""}) {
+    EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
+  }
+}
+
+TEST_F(ReadCase, resolvedCopyKeepsTheAngleExactly) {
+  const Case first = read(small_case, {"grid.angle=0.5 rad"});
+  EXPECT_EQ(std::get<StructuredGrid>(first.grid).angle, 0.5);
+  EXPECT_EQ(describe(first), describe(read(first.resolved)));
+}
+
+TEST_F(ReadCase, examplesAreRead) {
+  int n = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(BERM_SOURCE_DIR "/examples")) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() != ".toml" || name.starts_with("sweep")) continue;
+    const Case first = read_case(entry.path().string());
+    const Case second = read_case(write("copy.toml", first.resolved));
+    EXPECT_EQ(describe(first), describe(second)) << entry.path();
+    ++n;
+  }
+  EXPECT_GT(n, 0);
+}
+
+TEST_F(ReadCase, gridFromAFile) {
+  write("sub/grid.msh", "");
+  std::string text = small_case;
+  text.replace(text.find("cell_size"), text.find("[material") - text.find("cell_size"), "file = \"sub/grid.msh\"\n\n");
+  EXPECT_EQ(std::get<std::string>(read(text).grid), path("sub/grid.msh"));
+}
+
+TEST_F(ReadCase, suspiciousUnitsAreWarnings) {
+  std::string text = small_case;
+  text.replace(text.find("1e7"), 3, "35.5");
+  text.replace(text.find("1900.0"), 6, "1.9");
+  const std::vector<std::string> warnings = read(text).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0], path("case.toml") + ":10:11: density = 1.9 kg/m3: did you mean t/m3 or g/cm3?");
+  EXPECT_EQ(warnings[1], path("case.toml") + ":11:18: youngs_modulus = 35.5 Pa: did you mean GPa?");
+}
+
+TEST_F(ReadCase, otherWarnings) {
+  const std::string extra =
+      "[material.spare]\nlaw = \"linear_elastic\"\ndensity = 2000\nyoungs_modulus = 1e9\npoisson_ratio = 0\n"
+      "[output]\nreferences = [\"absent.csv\"]\n";
+  std::string text = small_case + extra;
+  text.replace(text.find("max = [1.0"), 10, "max = [1500.0");
+  std::string all;
+  for (const std::string& warning : read(text).warnings) all += warning + "\n";
+  EXPECT_NE(all.find("reaches 1500 m: did you mean mm?"), std::string::npos) << all;
+  EXPECT_NE(all.find("[material.spare] is not used by any body"), std::string::npos) << all;
+  EXPECT_NE(all.find("\"absent.csv\" does not exist"), std::string::npos) << all;
+}
+
+TEST_F(ReadCase, everyLawOfTheListIsReadable) {
+  for_each_law([&]<class L>(L) {
+    std::string material = "law = \"" + std::string(L::name) + "\"\ndensity = 2000.0\n";
+    for (const auto& p : L::parameters()) {
+      if (p.default_value) continue;
+      const bool modulus = p.key == "youngs_modulus";
+      const double value = modulus             ? 3e10
+                           : p.range.max < 1e6 ? 0.25 * (p.range.max + 3.0 * std::max(p.range.min, 0.0))
+                                               : 1e3 + std::max(p.range.min, 0.0);
+      material += p.key + " = " + fmt::format("{:.17g}", value / (p.unit == Unit::angle ? degree : 1.0)) + "\n";
+    }
+    std::string text = small_case;
+    text.replace(text.find("law ="), text.find("[body") - text.find("law ="), material + "\n");
+    const std::string wrong = errors(text);
+    if (wrong.find("give one of") != std::string::npos) return;  // a law whose optional keys exclude each other
+    EXPECT_EQ(wrong, "") << text;
+    EXPECT_TRUE(std::holds_alternative<L>(read(text).materials.at(0).law));
+  });
+}
+
+}  // namespace
+}  // namespace berm
