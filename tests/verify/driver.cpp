@@ -1,0 +1,75 @@
+#include "driver.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace berm::verify {
+
+std::string scratch_file(const std::string& name) {
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("berm_verify_{}", getpid());
+  std::filesystem::create_directories(folder);
+  return (folder / name).string();
+}
+
+Case case_of(const std::string& text, const std::vector<std::string>& overrides) {
+  const std::string path = scratch_file("case.toml");
+  std::ofstream(path) << text;
+  return read_case(path, overrides);
+}
+
+StepResult Model::advance(double dt) {
+  const StepResult result = step.attempt(dt, world->spec.solver.integration);
+  EXPECT_TRUE(result.converged) << "at time " << world->time << ": " << result.reason;
+  if (result.converged) step.accept();
+  return result;
+}
+
+bool Model::run(const std::function<void(const StepResult&)>& after) {
+  StepControl control(world->spec.steps);
+  const Integration integration = world->spec.solver.integration;
+  while (!control.finished(world->time)) {
+    const StepResult result = step.attempt(control.next(world->time), integration);
+    const bool too_far = integration == Integration::impl_ex && control.reject_impl_ex(result.extrapolation_error);
+    if (!result.converged || too_far) {
+      if (!control.can_cut()) return false;
+      control.cut();
+      continue;
+    }
+    step.accept();
+    if (after) after(result);
+    if (integration == Integration::implicit)
+      control.after_implicit(result.iterations);
+    else
+      control.after_impl_ex(result.extrapolation_error);
+  }
+  return true;
+}
+
+void record(const Row& row) {
+  ::testing::Test::RecordProperty(fmt::format("{}: {}", row.group, row.quantity), fmt::format("{:.6g}", row.reached));
+  fmt::print("  {} | {} | {:.6g} | {} | {}\n", row.group, row.quantity, row.reached, row.reference, row.tolerance);
+  const char* path = std::getenv("BERM_VERIFICATION_RECORD");
+  if (!path) return;
+  std::ofstream(path, std::ios::app) << fmt::format("{}\t{}\t{:.6g}\t{}\t{}\t{}\n", row.group, row.quantity,
+                                                    row.reached, row.reference, row.tolerance, row.source);
+}
+
+}  // namespace berm::verify
+
+namespace {
+/// Removes the scratch files of this process.
+struct Cleaner : ::testing::Environment {
+  void TearDown() override { std::filesystem::remove_all(std::filesystem::path(berm::verify::scratch_file("x")).parent_path()); }
+};
+}  // namespace
+
+int main(int argc, char** argv) {
+  ::testing::InitGoogleTest(&argc, argv);
+  ::testing::AddGlobalTestEnvironment(new Cleaner);
+  const berm::PetscSession petsc;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,58 @@
+#pragma once
+/// Runs a case inside a test through the whole program: reader, world, quasi-static step.
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "case/read_case.hpp"
+#include "sim/quasi_static.hpp"
+#include "sim/step_control.hpp"
+#include "sim/world.hpp"
+
+namespace berm::verify {
+
+/// The case written in `text`, with overrides as on the command line.
+Case case_of(const std::string& text, const std::vector<std::string>& overrides = {});
+
+/// Path of a scratch file of this process.
+std::string scratch_file(const std::string& name);
+
+/// A world with its step driver.
+struct Model {
+  explicit Model(Case spec) : world(build_world(std::move(spec))), step(*world) {}
+  explicit Model(const std::string& text, const std::vector<std::string>& overrides = {})
+      : Model(case_of(text, overrides)) {}
+
+  const MaterialState& material() const { return world->discretisation->material; }
+  /// Displacement of the far end of a gauge [m].
+  Vec2 gauge_end(int gauge = 0) const { return world->boundary->gauges()[gauge].to.u; }
+
+  /// One step; fails the test if it does not converge.
+  StepResult advance(double dt);
+  /// All the steps of the case, cut and grown as in a run; `after` is called after each. False if no equilibrium was
+  /// found with the smallest step.
+  bool run(const std::function<void(const StepResult&)>& after = {});
+
+  std::unique_ptr<World> world;
+  QuasiStaticStep step;
+};
+
+/// |a - b| / |b|.
+inline double relative(double a, double b) { return std::abs(a - b) / std::abs(b); }
+
+/// A row of docs/verification.md; written to the file named by BERM_VERIFICATION_RECORD, if it is set, and to the test's
+/// properties.
+struct Row {
+  std::string group, quantity;
+  double reached = 0.0;
+  std::string reference;  ///< value it should have
+  std::string tolerance;  ///< what the test demands, or "reported"
+  std::string source;     ///< where the reference is from
+};
+void record(const Row& row);
+
+}  // namespace berm::verify
