@@ -1,5 +1,6 @@
 #include "la/newton.hpp"
 
+#include <dlfcn.h>
 #include <petscsnes.h>
 
 #include <algorithm>
@@ -49,6 +50,10 @@ private:
 }  // namespace
 
 PetscSession::PetscSession(const std::string& options) {
+  // Threads inside the small dense blocks of a sparse factorisation cost more than they bring (2D, up to 1e5 unknowns).
+  if (!std::getenv("OPENBLAS_NUM_THREADS"))
+    if (auto* set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
+      set_threads(1);
   // A single process needs no mpiexec; Open MPI asks for these two before it runs as root (containers, CI).
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
@@ -60,7 +65,7 @@ PetscSession::PetscSession(const std::string& options) {
 PetscSession::~PetscSession() { PetscFinalize(); }
 
 struct NewtonSolver::Impl {
-  NewtonOptions options;
+  int max_iterations = 25;
   SNES snes = nullptr;
   Mat mat = nullptr;
   Vec x = nullptr, r = nullptr, rhs = nullptr;
@@ -125,8 +130,8 @@ struct NewtonSolver::Impl {
   }
 };
 
-NewtonSolver::NewtonSolver(const NewtonOptions& options) : impl_(std::make_unique<Impl>()) {
-  impl_->options = options;
+NewtonSolver::NewtonSolver(int max_iterations) : impl_(std::make_unique<Impl>()) {
+  impl_->max_iterations = max_iterations;
 }
 
 NewtonSolver::~NewtonSolver() { impl_->destroy(); }
@@ -149,9 +154,6 @@ void NewtonSolver::set_matrix(CsrMatrix& matrix, bool symmetric) {
   SNESSetJacobian(m.snes, m.mat, m.mat, Impl::differentiate, &m);
   SNESMonitorSet(m.snes, Impl::monitor, &m, nullptr);
   SNESSetDivergenceTolerance(m.snes, -1.0);
-  SNESLineSearch search;
-  SNESGetLineSearch(m.snes, &search);
-  SNESLineSearchSetType(search, m.options.line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);
 
   KSP ksp;
   PC pc;
@@ -159,7 +161,7 @@ void NewtonSolver::set_matrix(CsrMatrix& matrix, bool symmetric) {
   KSPSetType(ksp, KSPPREONLY);
   KSPGetPC(ksp, &pc);
   PCSetType(pc, symmetric ? PCCHOLESKY : PCLU);
-  PCFactorSetMatSolverType(pc, symmetric ? MATSOLVERCHOLMOD : MATSOLVERMUMPS);
+  PCFactorSetMatSolverType(pc, MATSOLVERMUMPS);
   check(SNESSetFromOptions(m.snes), "reading solver options");
 }
 
@@ -180,7 +182,7 @@ bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<doub
   return true;
 }
 
-NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, const Residual& residual,
+NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
                                  const Jacobian& jacobian) {
   Impl& m = *impl_;
   m.residual = &residual;
@@ -188,7 +190,10 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, const
   m.residuals.clear();
   m.error = nullptr;
   copy(x, m.x);
-  SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, m.options.max_iterations, 100000);
+  SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, m.max_iterations, 100000);
+  SNESLineSearch search;
+  SNESGetLineSearch(m.snes, &search);
+  SNESLineSearchSetType(search, line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);
   m.callback_seconds = 0.0;
   double total = 0.0;
   PetscErrorCode code;

@@ -28,11 +28,6 @@ struct NewtonResult {
   std::string reason;             ///< why it did not converge
 };
 
-struct NewtonOptions {
-  int max_iterations = 25;
-  bool line_search = true;
-};
-
 class NewtonSolver {
 public:
   /// r(x); false: x is outside of what the laws are defined for (the line search then shortens the step).
@@ -40,18 +35,19 @@ public:
   /// Fills the matrix given to set_matrix at x.
   using Jacobian = std::function<void(const std::vector<double>& x)>;
 
-  explicit NewtonSolver(const NewtonOptions& options);
+  explicit NewtonSolver(int max_iterations);
   ~NewtonSolver();
 
   /// The matrix that the Jacobian callback fills; its arrays are used in place, so it must outlive the solver or the next
-  /// set_matrix. symmetric: Cholesky (CHOLMOD), else LU (MUMPS); PETSc's options override either.
+  /// set_matrix. symmetric: LDL^T, else LU, both by MUMPS; PETSc's options override either.
   void set_matrix(CsrMatrix& matrix, bool symmetric);
 
   /// Solves matrix * x = rhs with the values now in the matrix. False if the factorisation failed.
   bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
 
-  /// Newton from x until the residual norm is below `tolerance` [N].
-  NewtonResult solve(std::vector<double>& x, double tolerance, const Residual& residual, const Jacobian& jacobian);
+  /// Newton from x until the residual norm is below `tolerance` [N], with a backtracking line search or with full steps.
+  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
+                     const Jacobian& jacobian);
 
   /// Seconds spent in factorisation and substitution since the start.
   double linear_seconds() const;

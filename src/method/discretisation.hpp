@@ -20,6 +20,7 @@ struct Anchor {
   Stencil stencil;        ///< nodes of the step that carry it
   int block = -1;         ///< block (cell) that contains those nodes
   int cell = -1;          ///< last known cell, a hint
+  Vec2 inward = Vec2::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
 };
 
 /// Nodal vectors: one Vec2 a node of the grid (mpm) or of the body meshes (fem).

@@ -41,7 +41,7 @@ bool all_elastic(const MaterialState& m) {
 }  // namespace
 
 QuasiStaticStep::QuasiStaticStep(World& world)
-    : world_(world), newton_({world.spec.solver.max_iterations, world.spec.solver.line_search}) {
+    : world_(world), newton_(world.spec.solver.max_iterations) {
   const Case& c = world.spec;
   settings_.plane = c.plane;
   settings_.kinematics = c.kinematics;
@@ -189,6 +189,16 @@ bool QuasiStaticStep::linear_predictor(std::vector<double>& x) {
   return true;
 }
 
+NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
+  return newton_.solve(
+      x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out, false); },
+      [this](const auto& at) {
+        std::vector<double> unused;
+        residual(at, unused, true);
+        assemble(nullptr);
+      });
+}
+
 StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   prepare(integration);
   t0_ = world_.time;
@@ -221,15 +231,16 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
       integration == Integration::implicit ? s.relative_tolerance : std::max(s.relative_tolerance, impl_ex_tolerance);
   const double scale = force_scale_;
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
-  const NewtonResult newton = newton_.solve(
-      x, tolerance, [this](const auto& at, auto& out) { return residual(at, out, false); },
-      [this](const auto& at) {
-        std::vector<double> unused;
-        residual(at, unused, true);
-        assemble(nullptr);
-      });
-  result.converged = newton.converged;
+  const std::vector<double> guess = x;
+  NewtonResult newton = solve(x, tolerance, s.line_search);
   result.iterations += newton.iterations;
+  if (!newton.converged && s.line_search) {
+    // Where damage localises the residual norm has to grow before it falls: full steps get through more often.
+    x = guess;
+    newton = solve(x, tolerance, false);
+    result.iterations += newton.iterations;
+  }
+  result.converged = newton.converged;
   const double reference = std::max(scale, s.absolute_tolerance * world_.elastic_scale);
   result.residual = newton.residual / reference;
   for (double value : newton.residuals) result.residuals.push_back(value / reference);

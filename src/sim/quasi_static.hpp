@@ -48,6 +48,7 @@ private:
   bool residual(const std::vector<double>& x, std::vector<double>& r, bool tangent);
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
+  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;
 

@@ -60,6 +60,7 @@ SurfacePoint surface_point(int body, const Vec2& x, const Vec2& normal, double l
   s.anchor.body = body;
   s.anchor.X = s.anchor.x = x;
   s.normal = normal;
+  s.anchor.inward = -normal;
   s.length = length;
   return s;
 }

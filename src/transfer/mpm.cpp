@@ -60,7 +60,7 @@ void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
                                  p, x_[p].x(), x_[p].y()));
   }
   for (Anchor* a : anchors) {
-    a->cell = grid_.locator->locate(a->x, a->cell);
+    a->cell = grid_.locator->locate(a->x + 1e-6 * cell_size_ * a->inward, a->cell);
     if (a->cell < 0)
       throw RunError(fmt::format("a surface point has left the background grid at ({:.6g}, {:.6g}): make the grid larger",
                                  a->x.x(), a->x.y()));
@@ -68,7 +68,7 @@ void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
   sort_points(anchors);
   evaluate_shapes();
   for (Anchor* a : anchors) {
-    Shape4 shape;
+    Shape4 shape{};
     linear_shape(grid_.mesh, a->cell, a->x, shape);
     a->block = active_index_[a->cell];
     a->stencil.n = shape.n;
@@ -111,7 +111,7 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
 }
 
 void MpmDiscretisation::evaluate_shapes() {
-  Shape4 shape;
+  Shape4 shape{};
   fill_.assign(active_cells_.size(), 0.0);
   cell_stiffness_.assign(active_cells_.size(), 0.0);
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
@@ -134,7 +134,7 @@ void MpmDiscretisation::build_faces() {
   if (ghost_penalty_ <= 0.0) return;
   constexpr double whole = 0.9;  // filled more than this: a cell does not need help
   const double g = 1.0 / std::sqrt(3.0);
-  Shape4 sa, sb;
+  Shape4 sa{}, sb{};
   for (const InteriorEdge& e : grid_edges_) {
     const int a = active_index_[e.cell_a], b = active_index_[e.cell_b];
     if (a < 0 || b < 0 || (fill_[a] > whole && fill_[b] > whole)) continue;
