@@ -65,6 +65,16 @@ struct Converter {
   }
 };
 
+/// Keys dotted thousands of levels deep would overflow the stack inside toml++, which limits values only.
+bool dotted_too_deeply(const std::string& text) {
+  int dots = 0;
+  for (const char c : text) {
+    if (c == '.' && ++dots > 1000) return true;
+    if (c == '\n' || c == ',' || c == '=') dots = 0;
+  }
+  return false;
+}
+
 void mark_override(Node& node, const std::string& text) {
   node.place = {"", text, 0, 0};
   if (Node::Array* items = node.array()) {
@@ -87,6 +97,7 @@ std::string basic_string(const std::string& text) {
 }
 
 std::optional<Node> parse_assignment(const std::string& line) {
+  if (dotted_too_deeply(line)) return std::nullopt;
   try {
     const std::string file;
     Problems ignored;
@@ -101,6 +112,10 @@ std::optional<Node> parse_assignment(const std::string& line) {
 }  // namespace
 
 Node parse_toml(const std::string& text, const std::string& file, Problems& problems) {
+  if (dotted_too_deeply(text)) {
+    problems.error({file, "", 0, 0}, "not valid TOML: a key of more than a thousand parts");
+    return {};
+  }
   try {
     return Converter{file, problems}.convert(toml::parse(text, file), 0);
   } catch (const toml::parse_error& error) {

@@ -44,6 +44,15 @@ TEST_F(CaseErrors, syntaxErrorHasAPlace) {
       << errors(small_case + "x = = 1\n");
 }
 
+TEST_F(CaseErrors, deepNestingIsRefused) {
+  std::string key = "a";
+  for (int i = 0; i < 200000; ++i) key += ".a";
+  EXPECT_EQ(errors(key + " = 1\n"), "case.toml: not valid TOML: a key of more than a thousand parts");
+  EXPECT_NE(errors(small_case, {key + "=1"}), "");
+  EXPECT_EQ(errors(key.substr(0, 401) + " = 1\n").find("case.toml:1:"), 0u);
+  EXPECT_EQ(errors("x = " + std::string(5000, '[')).find("case.toml:1:"), 0u);
+}
+
 TEST_F(CaseErrors, nameWithTwoMeaningsIsAmbiguous) {
   const std::string extra = R"([boundary.top]
 where.box.min = [0, 1]

@@ -7,7 +7,7 @@
 namespace berm {
 namespace {
 
-constexpr int n_mutants = 3000;
+constexpr int n_mutants = 2000;
 
 /// Changes, drops, doubles or swaps a few bytes or a whole line.
 std::string mutant(std::string text, std::mt19937& random) {
