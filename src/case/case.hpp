@@ -20,8 +20,8 @@ enum class Method { mpm, fem };
 
 /// Which part of the plane a boundary condition acts on: everything inside all the given limits.
 struct Where {
-  std::optional<Vec2> min, max;        ///< box = { min, max }
-  std::optional<std::string> group;    ///< physical curve of a Gmsh body mesh or grid
+  std::optional<Vec2> min, max;      ///< box = { min, max }
+  std::optional<std::string> group;  ///< physical curve of a Gmsh body mesh or grid
   struct Sector {
     Vec2 centre;
     double from, to;  ///< counter-clockwise from the x axis [rad]
@@ -39,20 +39,21 @@ struct Material {
 
 struct PointSeeding {
   enum class Kind { grid, mesh } kind = Kind::grid;
-  int per_direction = 2;                                            ///< grid: points per cell and direction
+  int per_direction = 2;                                                 ///< grid: points per cell and direction
   enum class Placement { gauss, uniform } placement = Placement::gauss;  ///< grid: positions in uncut cells
-  BodyMeshOptions mesh;                                             ///< mesh: the body mesh whose Gauss points become points
-  int per_element = 4;                                              ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad
+  BodyMeshOptions mesh;  ///< mesh: the body mesh whose Gauss points become points
+  int per_element = 4;   ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad
 };
 
 struct Body {
   std::string name;
   bool rigid = false;
-  std::string material;              ///< empty for rigid bodies
-  std::optional<Shape> shape;        ///< one of shape and mesh_file
-  std::string mesh_file, mesh_group; ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
-  PointSeeding points;               ///< mpm
-  BodyMeshOptions mesh;              ///< fem
+  std::string material;        ///< empty for rigid bodies
+  std::optional<Shape> shape;  ///< one of shape and mesh_file
+  std::string mesh_file,
+      mesh_group;        ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
+  PointSeeding points;   ///< mpm
+  BodyMeshOptions mesh;  ///< fem
   Vec2 displacement = Vec2::Zero();  ///< rigid: motion at time 1, linear in time [m]
 };
 
@@ -70,8 +71,8 @@ struct Pin {
   bool x = false, y = false;
 };
 
-/// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the material;
-/// direction and area are those of the reference state.
+/// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
+/// material; direction and area are those of the reference state.
 struct Pressure {
   std::string name, body;
   Where where;
@@ -95,7 +96,18 @@ struct Gauge {
   Vec2 from, to;
 };
 
-enum class Quantity { stress_xx, stress_yy, stress_zz, stress_xy, strain_xx, strain_yy, strain_xy, displacement_x, displacement_y, damage };
+enum class Quantity {
+  stress_xx,
+  stress_yy,
+  stress_zz,
+  stress_xy,
+  strain_xx,
+  strain_yy,
+  strain_xy,
+  displacement_x,
+  displacement_y,
+  damage
+};
 
 struct Probe {
   std::string name;
@@ -114,7 +126,7 @@ struct Control {
 };
 
 struct Steps {
-  int count = 100;                ///< increments that cover time 0..1 when none is cut
+  int count = 100;  ///< increments that cover time 0..1 when none is cut
   bool adaptive = true;
   double min_fraction = 1e-3;     ///< smallest step, as a fraction of 1/count
   double max_fraction = 1.0;      ///< largest step, as a fraction of 1/count
@@ -130,7 +142,7 @@ struct Solver {
   int max_iterations = 25;
   bool line_search = true;
   double ghost_penalty = 0.0333333333333333333;  ///< in units of E; 0 switches it off
-  std::string petsc;                  ///< PETSc options, e.g. "-ksp_view -snes_monitor"
+  std::string petsc;                             ///< PETSc options, e.g. "-ksp_view -snes_monitor"
 };
 
 /// Which load and which displacement make the nominal curve.
@@ -143,8 +155,8 @@ struct Nominal {
 };
 
 struct Output {
-  int vtk_every = 0;      ///< steps between VTK files; 0: only first, peak and last
-  int frames = 20;        ///< with vtk_every = 0: evenly spaced files over the run
+  int vtk_every = 0;  ///< steps between VTK files; 0: only first, peak and last
+  int frames = 20;    ///< with vtk_every = 0: evenly spaced files over the run
   Nominal nominal;
   std::vector<Gauge> gauges;
   std::vector<Probe> probes;
@@ -158,7 +170,7 @@ struct Case {
   Plane plane = Plane::strain;
   Kinematics kinematics = Kinematics::finite;
   double thickness = 1.0;
-  Vec2 gravity = Vec2::Zero();  ///< at time 1, linear in time [m/s2]
+  Vec2 gravity = Vec2::Zero();                     ///< at time 1, linear in time [m/s2]
   std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)
   std::vector<Material> materials;
   std::vector<Body> bodies;

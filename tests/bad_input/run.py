@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs `berm check` on every malformed file here: run.py BERM
 
-Every file of expected.tsv must end with exit code 2 and the expected message on stderr, in a bounded time, without a crash
-and without a word from a sanitizer; good.toml must pass, so that each failure is due to the one thing that was changed.
+Every file of expected.tsv must end with exit code 2 and the expected message on stderr, in a bounded time, without a
+crash and without a word from a sanitizer; good.toml must pass, so that each failure is due to what was changed.
 """
 
 import pathlib
