@@ -26,9 +26,7 @@ struct Row {
   double connectivity = 0.0, laws = 0.0, assembly = 0.0, linear = 0.0, step = 0.0;  // seconds a step
 };
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// The case with a cell size that gives about `dofs` unknowns: two a cell of the disc.
 berm::Case disc(int dofs) {
@@ -73,7 +71,8 @@ Row measure(int dofs, Integration integration, int steps) {
 
 void write_csv(const std::string& path, const std::vector<Row>& rows) {
   std::ofstream out(path);
-  out << "integration,dofs [-],points [-],steps [-],linear_solves [-],connectivity [s],laws [s],assembly [s],linear [s],step [s]\n";
+  out << "integration,dofs [-],points [-],steps [-],linear_solves [-],connectivity [s],laws [s],assembly [s],linear "
+         "[s],step [s]\n";
   for (const Row& r : rows)
     out << fmt::format("{},{},{},{},{},{},{},{},{},{}\n", r.integration, r.dofs, r.points, r.steps, r.solves,
                        r.connectivity, r.laws, r.assembly, r.linear, r.step);
@@ -100,16 +99,16 @@ int run(const std::vector<std::string>& words) {
   const berm::PetscSession petsc;
   std::vector<Row> rows;
   fmt::print("milliseconds a step, mean of {} steps\n", steps);
-  fmt::print("{:<12}{:>8}{:>9}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}{:>9}{:>26}\n", "integration", "dofs", "points", "solves",
-             "connectivity", "laws", "assembly", "linear", "rest", "step", "(laws + assembly)/linear");
+  fmt::print("{:<12}{:>8}{:>9}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}{:>9}{:>26}\n", "integration", "dofs", "points",
+             "solves", "connectivity", "laws", "assembly", "linear", "rest", "step", "(laws + assembly)/linear");
   for (const Integration integration : {Integration::implicit, Integration::impl_ex})
     for (const int dofs : sizes) {
       const Row r = measure(dofs, integration, steps);
       rows.push_back(r);
       const double rest = r.step - r.connectivity - r.laws - r.assembly - r.linear;
-      fmt::print("{:<12}{:>8}{:>9}{:>8.1f}{:>14.1f}{:>8.1f}{:>10.1f}{:>10.1f}{:>9.1f}{:>9.1f}{:>26.2f}\n", r.integration,
-                 r.dofs, r.points, double(r.solves) / steps, 1e3 * r.connectivity, 1e3 * r.laws, 1e3 * r.assembly,
-                 1e3 * r.linear, 1e3 * rest, 1e3 * r.step, (r.laws + r.assembly) / r.linear);
+      fmt::print("{:<12}{:>8}{:>9}{:>8.1f}{:>14.1f}{:>8.1f}{:>10.1f}{:>10.1f}{:>9.1f}{:>9.1f}{:>26.2f}\n",
+                 r.integration, r.dofs, r.points, double(r.solves) / steps, 1e3 * r.connectivity, 1e3 * r.laws,
+                 1e3 * r.assembly, 1e3 * r.linear, 1e3 * rest, 1e3 * r.step, (r.laws + r.assembly) / r.linear);
       std::fflush(stdout);
     }
   if (!csv.empty()) write_csv(csv, rows);

@@ -95,7 +95,7 @@ def main():
     parser.add_argument("cases", nargs="*", metavar="CASE", help="path in examples/")
     parser.add_argument("--out", metavar="DIR", help="where the runs go (default: a temporary folder)")
     parser.add_argument("--check-list", action="store_true", help="only check examples/ci.txt")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     berm = pathlib.Path(options.berm).resolve()
     listed = read_list()
     if options.check_list:

@@ -4,7 +4,7 @@ set -euo pipefail
 
 packages=(
   g++ cmake ninja-build ccache pkg-config                      # build
-  libpetsc-real-dev                                            # solvers; brings MPI, MUMPS, CHOLMOD
+  libpetsc-real-dev                                            # solvers; brings MPI and MUMPS
   libopenblas-pthread-dev                                      # the BLAS that comes by default is several times slower
   libeigen3-dev libfmt-dev libtomlplusplus-dev libcli11-dev    # small tensors, text, case files, command line
   libgmsh-dev libboost-dev zlib1g-dev                          # meshes, geometry, VTK files
