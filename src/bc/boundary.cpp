@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.hpp"
 
@@ -18,8 +19,7 @@ int body_index(const Case& c, const std::string& name) {
 
 double youngs_modulus(const Case& c, int body) {
   for (const Material& m : c.materials)
-    if (m.name == c.bodies[body].material)
-      return std::visit([](const auto& law) { return law.youngs_modulus; }, m.law);
+    if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.youngs_modulus; }, m.law);
   return 0.0;
 }
 
@@ -28,8 +28,7 @@ double youngs_modulus(const Case& c, int body) {
 BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, std::vector<BodySurface> surfaces,
                                        const std::map<std::string, std::vector<int>>& node_groups)
     : case_(c), thickness_(c.thickness) {
-  for (BodySurface& s : surfaces)
-    surface_.insert(surface_.end(), s.points.begin(), s.points.end());
+  for (BodySurface& s : surfaces) surface_.insert(surface_.end(), s.points.begin(), s.points.end());
   read_boundaries(c, d, node_groups);
   read_pressures(c);
   read_contacts(c, d);
@@ -44,6 +43,8 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, s
     for (const ContactPoint& p : contact.points) used[p.point] = 1;
   for (std::size_t p = 0; p < surface_.size(); ++p)
     if (used[p]) anchors_.push_back(&surface_[p].anchor);
+  for (RigidContact& contact : contacts_)
+    for (Anchor& a : contact.inside) anchors_.push_back(&a);
   for (PinPoint& pin : pins_) anchors_.push_back(&pin.anchor);
   for (GaugeLine& g : gauges_) {
     anchors_.push_back(&g.from);
@@ -59,8 +60,8 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d,
     if (spec.where.group) {
       const auto group = node_groups.find(*spec.where.group);
       if (group == node_groups.end())
-        throw InputError(fmt::format("[boundary.{}]: no mesh has a physical curve named \"{}\"", spec.name,
-                                     *spec.where.group));
+        throw InputError(
+            fmt::format("[boundary.{}]: no mesh has a physical curve named \"{}\"", spec.name, *spec.where.group));
       candidates = group->second;
     } else {
       for (int node = 0; node < d.n_nodes(); ++node) candidates.push_back(node);
@@ -103,6 +104,22 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d) {
     const int body = body_index(c, spec.body);
     const Region& region =
         rigid_regions_.try_emplace(contact.rigid, Region(*c.bodies[contact.rigid].shape)).first->second;
+    if (spec.kind == Contact::Kind::shared_nodes) {
+      for (const Vec2& x : d.points_inside(region, spec.rigid)) {
+        Anchor a;
+        a.body = contact.rigid;
+        a.X = a.x = x;
+        a.rigid = true;
+        contact.inside.push_back(a);
+      }
+      if (contact.inside.empty())
+        throw InputError(
+            fmt::format("[contact.{}]: kind = \"shared_nodes\" needs a background grid (method = \"mpm\"); "
+                        "take \"tie\" or \"no_slip\"",
+                        spec.name));
+      contacts_.push_back(std::move(contact));
+      continue;
+    }
     const double factor = spec.stiffness * youngs_modulus(c, body) / h * thickness_;
     const double touching = 1e-3 * h;
     for (std::size_t p = 0; p < surface_.size(); ++p) {
@@ -115,8 +132,9 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d) {
       contact.points.push_back(point);
     }
     if (contact.points.empty())
-      throw InputError(fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied",
-                                   spec.name, spec.body, spec.rigid));
+      throw InputError(
+          fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
+                      spec.body, spec.rigid));
     contacts_.push_back(std::move(contact));
   }
 }
@@ -156,13 +174,19 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
   equation_.assign(2 * d.n_nodes(), -1);
   std::vector<char> prescribed(2 * d.n_nodes(), 0);
   for (const NodeCondition& k : conditions_) prescribed[2 * k.node + k.component] = 1;
+  for (RigidContact& contact : contacts_) {
+    std::set<int> shared;
+    for (const Anchor& a : contact.inside) shared.insert(a.stencil.node.begin(), a.stencil.node.begin() + a.stencil.n);
+    contact.shared_nodes.assign(shared.begin(), shared.end());
+    for (int node : contact.shared_nodes) prescribed[2 * node] = prescribed[2 * node + 1] = 1;
+  }
   n_equations_ = 0;
   for (int node = 0; node < d.n_nodes(); ++node)
     for (int c = 0; c < 2; ++c)
       if (d.active[node] && !prescribed[2 * node + c]) equation_[2 * node + c] = n_equations_++;
 
   for (RigidContact& contact : contacts_) {
-    if (contact.spec->kind == Contact::Kind::tie) continue;
+    if (contact.spec->kind == Contact::Kind::tie || contact.spec->kind == Contact::Kind::shared_nodes) continue;
     const Region& region = rigid_regions_.at(contact.rigid);
     for (ContactPoint& p : contact.points) {
       const Anchor& a = surface_[p.point].anchor;
@@ -176,6 +200,9 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
 std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t1) const {
   std::vector<double> du(equation_.size(), 0.0);
   for (const NodeCondition& k : conditions_) du[2 * k.node + k.component] = k.value * (t1 - t0);
+  for (const RigidContact& contact : contacts_)
+    for (int node : contact.shared_nodes)
+      for (int c : {0, 1}) du[2 * node + c] = case_.bodies[contact.rigid].displacement[c] * (t1 - t0);
   return du;
 }
 
@@ -186,8 +213,7 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const RigidCo
   const Vec2 rigid = case_.bodies[contact.rigid].displacement * (t1 - t0);
   const Vec2 relative = surface_[point.point].anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;
-  if (contact.spec->kind == Contact::Kind::tie)
-    return {-k * (point.slip + relative), k * Mat2::Identity(), true};
+  if (contact.spec->kind == Contact::Kind::tie) return {-k * (point.slip + relative), k * Mat2::Identity(), true};
 
   const double gap = point.gap + point.normal.dot(relative);
   if (gap >= 0.0) return {Vec2::Zero(), Mat2::Zero(), false};
@@ -248,11 +274,14 @@ void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
     if (case_.bodies[b].rigid) rigid_offset_[static_cast<int>(b)] = case_.bodies[b].displacement * t1;
 }
 
-Vec2 BoundaryConditions::rigid_force(int body, const NodalVector& du, double t0, double t1) const {
+Vec2 BoundaryConditions::rigid_force(int body, const NodalVector& du, double t0, double t1,
+                                     const NodalVector& residual) const {
   Vec2 sum = Vec2::Zero();
-  for (const RigidContact& contact : contacts_)
-    if (contact.rigid == body)
-      for (const ContactPoint& p : contact.points) sum += contact_force(contact, p, du, t0, t1).force;
+  for (const RigidContact& contact : contacts_) {
+    if (contact.rigid != body) continue;
+    for (const ContactPoint& p : contact.points) sum += contact_force(contact, p, du, t0, t1).force;
+    for (int node : contact.shared_nodes) sum += residual[node];
+  }
   return sum;
 }
 

@@ -16,8 +16,8 @@ struct BodySurface {
 
 class BoundaryConditions {
 public:
-  /// node_groups: physical curves of the mesh that carries the nodes. Throws InputError if a boundary catches no node, a
-  /// pressure no surface, a tie no touching surface, a pin or gauge no body.
+  /// node_groups: physical curves of the mesh that carries the nodes. Throws InputError if a boundary catches no node,
+  /// a pressure no surface, a tie no touching surface, a pin or gauge no body.
   BoundaryConditions(const Case& c, const Discretisation& d, std::vector<BodySurface> surfaces,
                      const std::map<std::string, std::vector<int>>& node_groups);
 
@@ -41,8 +41,9 @@ public:
   /// Contact state at the end of the step.
   void commit(const NodalVector& du, double t0, double t1);
 
-  /// Force of every rigid body on the deformable ones [N], by case body index; after add_forces of the same increment.
-  Vec2 rigid_force(int body, const NodalVector& du, double t0, double t1) const;
+  /// Force of a rigid body (case body index) on the deformable ones at the increment du, whose nodal residual is given
+  /// [N].
+  Vec2 rigid_force(int body, const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
   /// Total force of a pressure at load factor 1 [N].
   Vec2 pressure_force(const std::string& name) const;
   /// Sum of nodal forces over the nodes of a boundary; each component only where it is prescribed.

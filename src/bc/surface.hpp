@@ -38,6 +38,8 @@ struct RigidContact {
   const Contact* spec = nullptr;
   int rigid = -1;  ///< index into the case's bodies
   std::vector<ContactPoint> points;
+  std::vector<Anchor> inside;     ///< shared_nodes: points of the rigid body
+  std::vector<int> shared_nodes;  ///< shared_nodes: nodes of the step that move with it
 };
 
 /// A held spot of a body.

@@ -83,9 +83,10 @@ struct Pressure {
 struct Contact {
   std::string name, body, rigid;
   enum class Kind {
-    tie,          ///< surfaces that touch at the start move together, both ways
-    no_slip,      ///< unilateral; no sliding while in touch
-    frictionless  ///< unilateral; free sliding
+    tie,           ///< surfaces that touch at the start move together, both ways
+    no_slip,       ///< unilateral; no sliding while in touch
+    frictionless,  ///< unilateral; free sliding
+    shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
   double stiffness = 1000.0;  ///< penalty in units of E/h [-]
 };

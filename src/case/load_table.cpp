@@ -93,10 +93,12 @@ Table<Contact> contact_table() {
   t.string("body", &Contact::body, "name of a deformable body", "the body").required();
   t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches").required();
   t.choice("kind", &Contact::kind,
-           std::vector<std::pair<std::string, Kind>>{
-               {"tie", Kind::tie}, {"no_slip", Kind::no_slip}, {"frictionless", Kind::frictionless}},
+           std::vector<std::pair<std::string, Kind>>{{"tie", Kind::tie},
+                                                     {"no_slip", Kind::no_slip},
+                                                     {"frictionless", Kind::frictionless},
+                                                     {"shared_nodes", Kind::shared_nodes}},
            "tie: surfaces that touch at the start move together; no_slip: can open, no sliding; frictionless: can open "
-           "and slide");
+           "and slide; shared_nodes (mpm): the grid nodes around the rigid body's points move with it");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
            "penalty in units of Young's modulus over cell size");
   return t;

@@ -67,8 +67,8 @@ void FemDiscretisation::add_body(int body, const std::string& name, const Materi
       for (int k = 0; k < s.n; ++k) J += mesh.nodes[mesh.cell(c)[k]] * s.dN[k].transpose();
       const double det = J.determinant();
       if (!(det > 0.0))
-        throw InputError(fmt::format("body \"{}\": element {} of its mesh is turned inside out (Jacobian {:.3g})", name,
-                                     c, det));
+        throw InputError(
+            fmt::format("body \"{}\": element {} of its mesh is turned inside out (Jacobian {:.3g})", name, c, det));
       GaussPoint g;
       g.N = s.N;
       const Mat2 inverse = J.inverse().transpose();
@@ -134,8 +134,8 @@ void FemDiscretisation::attach(Anchor& anchor) const {
     for (int k = 0; k < s.n; ++k) anchor.stencil.node[k] = mesh_.cell(anchor.cell)[k];
     return;
   }
-  throw InputError(fmt::format("the point ({:.6g}, {:.6g}) lies in no element of its body's mesh", anchor.X.x(),
-                               anchor.X.y()));
+  throw InputError(
+      fmt::format("the point ({:.6g}, {:.6g}) lies in no element of its body's mesh", anchor.X.x(), anchor.X.y()));
 }
 
 void FemDiscretisation::begin_step(std::vector<Anchor*>& anchors) {

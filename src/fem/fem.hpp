@@ -24,6 +24,7 @@ public:
 
   std::vector<Vec2> point_positions() const override;
   std::vector<Vec2> point_displacements() const override;
+  std::vector<Vec2> points_inside(const Region&, const std::string&) const override { return {}; }
   double cell_size() const override { return cell_size_; }
 
   const Mesh& mesh() const { return mesh_; }

@@ -38,14 +38,15 @@ public:
   explicit NewtonSolver(int max_iterations);
   ~NewtonSolver();
 
-  /// The matrix that the Jacobian callback fills; its arrays are used in place, so it must outlive the solver or the next
-  /// set_matrix. symmetric: LDL^T, else LU, both by MUMPS; PETSc's options override either.
+  /// The matrix that the Jacobian callback fills; its arrays are used in place, so it must outlive the solver or the
+  /// next set_matrix. symmetric: LDL^T, else LU, both by MUMPS; PETSc's options override either.
   void set_matrix(CsrMatrix& matrix, bool symmetric);
 
   /// Solves matrix * x = rhs with the values now in the matrix. False if the factorisation failed.
   bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
 
-  /// Newton from x until the residual norm is below `tolerance` [N], with a backtracking line search or with full steps.
+  /// Newton from x until the residual norm is below `tolerance` [N], with a backtracking line search or with full
+  /// steps.
   NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
                      const Jacobian& jacobian);
 

@@ -19,9 +19,7 @@ struct Blocks {
   std::vector<int> nodes;
 
   int size() const { return static_cast<int>(offsets.size()) - 1; }
-  std::span<const int> operator[](int b) const {
-    return {nodes.data() + offsets[b], nodes.data() + offsets[b + 1]};
-  }
+  std::span<const int> operator[](int b) const { return {nodes.data() + offsets[b], nodes.data() + offsets[b + 1]}; }
   void add(std::span<const int> list) {
     nodes.insert(nodes.end(), list.begin(), list.end());
     offsets.push_back(static_cast<int>(nodes.size()));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/region.hpp"
 #include "method/csr.hpp"
 #include "method/material_state.hpp"
 #include "shape/stencil.hpp"
@@ -14,12 +15,13 @@ namespace berm {
 /// A material spot that is no integration point: a surface point, a pin, the end of a gauge.
 struct Anchor {
   int body = 0;
-  Vec2 X = Vec2::Zero();  ///< reference position [m]
-  Vec2 x = Vec2::Zero();  ///< current position [m]; stays at X in small strain
-  Vec2 u = Vec2::Zero();  ///< displacement since the start [m]
-  Stencil stencil;        ///< nodes of the step that carry it
-  int block = -1;         ///< block (cell) that contains those nodes
-  int cell = -1;          ///< last known cell, a hint
+  Vec2 X = Vec2::Zero();       ///< reference position [m]
+  Vec2 x = Vec2::Zero();       ///< current position [m]; stays at X in small strain
+  Vec2 u = Vec2::Zero();       ///< displacement since the start [m]
+  Stencil stencil;             ///< nodes of the step that carry it
+  int block = -1;              ///< block (cell) that contains those nodes
+  int cell = -1;               ///< last known cell, a hint
+  bool rigid = false;          ///< belongs to a rigid body: its cell needs no stabilisation
   Vec2 inward = Vec2::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
 };
 
@@ -50,6 +52,8 @@ public:
   /// For output: position and displacement of the integration points, and of the mesh.
   virtual std::vector<Vec2> point_positions() const = 0;
   virtual std::vector<Vec2> point_displacements() const = 0;
+  /// Places that stand for a rigid shape: evenly spread points in the cells of the grid; empty for FEM.
+  virtual std::vector<Vec2> points_inside(const Region& region, const std::string& body) const = 0;
   /// Representative size of the cells at reference [m]; scales penalties.
   virtual double cell_size() const = 0;
 

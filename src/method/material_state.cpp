@@ -122,8 +122,7 @@ std::vector<double> MaterialState::released_energy_fraction() const {
     std::visit(
         [&](const auto& law) {
           if constexpr (requires { law.fracture_energy; })
-            for (int p = slice.begin; p < slice.end; ++p)
-              fraction[p] = dissipated[p] * length[p] / law.fracture_energy;
+            for (int p = slice.begin; p < slice.end; ++p) fraction[p] = dissipated[p] * length[p] / law.fracture_energy;
         },
         slice.law);
   return fraction;

@@ -37,23 +37,23 @@ public:
   void commit();
   /// Largest and volume-weighted sums over the points.
   double max_damage() const;
-  double stored_energy() const;      ///< of the committed state [J]
-  double dissipated_energy() const;  ///< since the start [J]
+  double stored_energy() const;            ///< of the committed state [J]
+  double dissipated_energy() const;        ///< since the start [J]
   double max_extrapolation_error() const;  ///< of the trial state
 
   /// Crack-band length times the largest principal inelastic strain, l <eps - C^-1 sigma>_1 [m].
   std::vector<double> crack_opening() const;
-  /// Energy dissipated per crack area over the fracture energy of the law; 0 for laws without one. Exceeds 1 where the law
-  /// dissipates more than Gf (compression).
+  /// Energy dissipated per crack area over the fracture energy of the law; 0 for laws without one. Exceeds 1 where the
+  /// law dissipates more than Gf (compression).
   std::vector<double> released_energy_fraction() const;
 
   std::vector<Slice> slices;
   // per point, committed
   std::vector<double> volume, length;
-  std::vector<Mat2> F;             ///< deformation gradient (small strain: I + grad u)
-  std::vector<double> strain_zz;   ///< out of plane
-  std::vector<Voigt> stress;       ///< Cauchy
-  std::vector<Voigt> strain;       ///< Hencky or small; engineering shear
+  std::vector<Mat2> F;                             ///< deformation gradient (small strain: I + grad u)
+  std::vector<double> strain_zz;                   ///< out of plane
+  std::vector<Voigt> stress;                       ///< Cauchy
+  std::vector<Voigt> strain;                       ///< Hencky or small; engineering shear
   std::vector<double> damage, stored, dissipated;  ///< energies per reference volume [J/m3]
   // per point, trial
   std::vector<Mat2> trial_F;

@@ -15,8 +15,8 @@ struct SeededPoints {
 };
 
 /// Points of `region` in the cells of the grid. Uncut cells get n x n points (quads: Gauss or evenly spaced; triangles:
-/// the rule of n (n+1)/2 points); cut cells are divided into n x n parts, each part inside the body becomes a point at its
-/// centroid. The areas add up to the region's area. Throws InputError if a part of the body lies outside the grid.
+/// the rule of n (n+1)/2 points); cut cells are divided into n x n parts, each part inside the body becomes a point at
+/// its centroid. The areas add up to the region's area. Throws InputError if a part of the body lies outside the grid.
 SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointSeeding& seeding,
                             const std::string& body);
 

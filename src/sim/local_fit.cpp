@@ -1,7 +1,6 @@
 #include "sim/local_fit.hpp"
 
 #include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 

@@ -40,8 +40,7 @@ bool all_elastic(const MaterialState& m) {
 
 }  // namespace
 
-QuasiStaticStep::QuasiStaticStep(World& world)
-    : world_(world), newton_(world.spec.solver.max_iterations) {
+QuasiStaticStep::QuasiStaticStep(World& world) : world_(world), newton_(world.spec.solver.max_iterations) {
   const Case& c = world.spec;
   settings_.plane = c.plane;
   settings_.kinematics = c.kinematics;
@@ -263,7 +262,7 @@ void QuasiStaticStep::accept() {
   double work = 0.0;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     if (!c.bodies[b].rigid) continue;
-    const Vec2 force = bc.rigid_force(static_cast<int>(b), du_, t0_, t1_);
+    const Vec2 force = bc.rigid_force(static_cast<int>(b), du_, t0_, t1_, force_);
     work += 0.5 * (force + balance_.rigid_force[b]).dot(c.bodies[b].displacement) * dt;
     balance_.rigid_force[b] = force;
   }

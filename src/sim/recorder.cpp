@@ -68,7 +68,8 @@ Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::f
 std::vector<std::string> Recorder::columns() const {
   std::vector<std::string> names = standard_history_columns();
   for (const Gauge& g : world_.spec.output.gauges) names.push_back("gauge:" + g.name + " [m]");
-  for (const NamedProbe& p : probes_) names.push_back(fmt::format("probe:{} [{}]", p.spec.name, unit_of(p.spec.quantity)));
+  for (const NamedProbe& p : probes_)
+    names.push_back(fmt::format("probe:{} [{}]", p.spec.name, unit_of(p.spec.quantity)));
   auto reaction = [&](const std::string& name) {
     names.push_back("reaction_x:" + name + " [N]");
     names.push_back("reaction_y:" + name + " [N]");

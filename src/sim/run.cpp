@@ -40,9 +40,7 @@ public:
   }
 
 private:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   /// One accepted step: the step size is cut until the attempt converges.
   void advance() {
@@ -87,16 +85,19 @@ private:
                                world_->time, bridge_steps));
       return;
     }
-    throw RunError(fmt::format(
-        "no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). The structure snaps "
-        "back or collapses here: take [solver] integration = \"impl_ex\" or snap_back = \"impl_ex\", or drive the run with "
-        "[control] kind = \"gauge\"",
-        world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
+    throw RunError(
+        fmt::format("no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). The "
+                    "structure snaps "
+                    "back or collapses here: take [solver] integration = \"impl_ex\" or snap_back = \"impl_ex\", or "
+                    "drive the run with "
+                    "[control] kind = \"gauge\"",
+                    world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
   }
 
   void log_attempt(double dt, const StepResult& result) {
-    std::string text = fmt::format("time {:.9g} + {:.3g}: {} after {} linear solves, residuals", world_->time, dt,
-                                   result.converged ? "converged" : "failed (" + result.reason + ")", result.iterations);
+    std::string text =
+        fmt::format("time {:.9g} + {:.3g}: {} after {} linear solves, residuals", world_->time, dt,
+                    result.converged ? "converged" : "failed (" + result.reason + ")", result.iterations);
     for (double r : result.residuals) text += fmt::format(" {:.3e}", r);
     log_.detail(text);
   }
@@ -104,8 +105,9 @@ private:
   void report_end() {
     for (const auto& [name, value] : recorder_.metrics()) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
     const StepTimes t = step_.times();
-    log_.info(fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
-                          recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
+    log_.info(
+        fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
+                    recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
   }
 
   /// Length of an IMPL-EX bridge over a snap-back, in steps, before implicit steps are tried again.
@@ -128,7 +130,8 @@ private:
 void run_case(Case spec, const RunOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.folder, error);
-  if (error) throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
+  if (error)
+    throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
   Run run(std::move(spec), options);
   run.go();
 }

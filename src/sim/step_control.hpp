@@ -10,7 +10,10 @@ namespace berm {
 class StepControl {
 public:
   explicit StepControl(const Steps& s)
-      : steps_(s), nominal_(1.0 / s.count), dt_(nominal_), min_(nominal_ * (s.adaptive ? s.min_fraction : 1.0)),
+      : steps_(s),
+        nominal_(1.0 / s.count),
+        dt_(nominal_),
+        min_(nominal_ * (s.adaptive ? s.min_fraction : 1.0)),
         max_(nominal_ * (s.adaptive ? s.max_fraction : 1.0)) {
     dt_ = std::clamp(dt_, min_, max_);
   }

@@ -184,9 +184,10 @@ void collect_warnings(World& w) {
     const double longest = *std::max_element(m.length.begin() + slice.begin, m.length.begin() + slice.end);
     const std::string problem = std::visit([&](const auto& law) { return law.check(4.0 * longest); }, slice.law);
     if (!problem.empty())
-      w.warnings.push_back(fmt::format("body \"{}\": a crack-band length of {:.4g} m is more than a quarter of what the "
-                                       "fracture energy allows: use smaller cells",
-                                       w.spec.bodies[slice.body].name, longest));
+      w.warnings.push_back(
+          fmt::format("body \"{}\": a crack-band length of {:.4g} m is more than a quarter of what the "
+                      "fracture energy allows: use smaller cells",
+                      w.spec.bodies[slice.body].name, longest));
   }
 }
 
@@ -222,7 +223,8 @@ std::string describe(World& w) {
                  : fmt::format("  body {:<12} {:.6g} m2, {:.6g} kg, {} points{}", b.name, b.area, b.mass, b.points,
                                b.elements ? fmt::format(", {} elements", b.elements) : ""));
   const int cells = [&] {
-    if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d)) return static_cast<int>(mpm->active_cells().size());
+    if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d))
+      return static_cast<int>(mpm->active_cells().size());
     return d.blocks.size();
   }();
   const int dofs = w.boundary->n_equations();

@@ -24,8 +24,8 @@ struct World {
   std::vector<std::string> warnings;
 
   // the state at t_n besides what the points carry
-  double time = 0.0;         ///< 0 ... 1
-  double load_factor = 0.0;  ///< of the pressures
+  double time = 0.0;           ///< 0 ... 1
+  double load_factor = 0.0;    ///< of the pressures
   double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
 };
 

@@ -32,9 +32,10 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
   for (std::size_t p = 0; p < points.x.size(); ++p) {
     const int cell = grid_.locator->locate(points.x[p], -1);
     if (cell < 0)
-      throw InputError(fmt::format("body \"{}\": a material point at ({:.6g}, {:.6g}) lies outside the background grid: "
-                                   "make the grid larger or move the body",
-                                   name, points.x[p].x(), points.x[p].y()));
+      throw InputError(
+          fmt::format("body \"{}\": a material point at ({:.6g}, {:.6g}) lies outside the background grid: "
+                      "make the grid larger or move the body",
+                      name, points.x[p].x(), points.x[p].y()));
     volume.push_back(points.area[p] * thickness);
     length.push_back(crack_band_length(spec, grid_.mesh, cell));
     const std::string problem = std::visit([&](const auto& law) { return law.check(length.back()); }, spec.law);
@@ -55,15 +56,17 @@ void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
   for (std::size_t p = 0; p < x_.size(); ++p) {
     cell_[p] = grid_.locator->locate(x_[p], cell_[p]);
     if (cell_[p] < 0)
-      throw RunError(fmt::format("material point {} has left the background grid at ({:.6g}, {:.6g}): make the grid "
-                                 "larger, or stop the run earlier",
-                                 p, x_[p].x(), x_[p].y()));
+      throw RunError(
+          fmt::format("material point {} has left the background grid at ({:.6g}, {:.6g}): make the grid "
+                      "larger, or stop the run earlier",
+                      p, x_[p].x(), x_[p].y()));
   }
   for (Anchor* a : anchors) {
     a->cell = grid_.locator->locate(a->x + 1e-6 * cell_size_ * a->inward, a->cell);
     if (a->cell < 0)
-      throw RunError(fmt::format("a surface point has left the background grid at ({:.6g}, {:.6g}): make the grid larger",
-                                 a->x.x(), a->x.y()));
+      throw RunError(
+          fmt::format("a surface point has left the background grid at ({:.6g}, {:.6g}): make the grid larger",
+                      a->x.x(), a->x.y()));
   }
   sort_points(anchors);
   evaluate_shapes();
@@ -105,9 +108,16 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
     blocks.add(list);
     for (int node : list) active[node] = 1;
   }
+  holds_rigid_.assign(active_cells_.size(), 0);
+  for (const Anchor* a : anchors)
+    if (a->rigid) holds_rigid_[active_index_[a->cell]] = 1;
   order_.resize(x_.size());
   std::vector<int> fill(first_.begin(), first_.end() - 1);
   for (std::size_t p = 0; p < x_.size(); ++p) order_[fill[active_index_[cell_[p]]]++] = static_cast<int>(p);
+}
+
+std::vector<Vec2> MpmDiscretisation::points_inside(const Region& region, const std::string& body) const {
+  return seed_from_grid(region, grid_, {}, body).x;
 }
 
 void MpmDiscretisation::evaluate_shapes() {
@@ -137,7 +147,7 @@ void MpmDiscretisation::build_faces() {
   Shape4 sa{}, sb{};
   for (const InteriorEdge& e : grid_edges_) {
     const int a = active_index_[e.cell_a], b = active_index_[e.cell_b];
-    if (a < 0 || b < 0 || (fill_[a] > whole && fill_[b] > whole)) continue;
+    if (a < 0 || b < 0 || (fill_[a] > whole && fill_[b] > whole) || holds_rigid_[a] || holds_rigid_[b]) continue;
     const Vec2 p0 = nodes[e.node_a], p1 = nodes[e.node_b];
     const double length = (p1 - p0).norm();
     const Vec2 normal(-(p1 - p0).y() / length, (p1 - p0).x() / length);
@@ -145,7 +155,8 @@ void MpmDiscretisation::build_faces() {
     Face face;
     face.cell_a = a;
     face.cell_b = b;
-    // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's value.
+    // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's
+    // value.
     const double ka = cell_stiffness_[a], kb = cell_stiffness_[b];
     const double stiffness = ka > 0.0 && kb > 0.0 ? std::min(ka, kb) : std::max(ka, kb);
     face.weight = ghost_penalty_ * stiffness * length * 0.5 * length;
@@ -301,12 +312,14 @@ void MpmDiscretisation::commit(const NodalVector& du, std::vector<Anchor*>& anch
       Vec2 step = Vec2::Zero();
       for (std::size_t k = 0; k < list.size(); ++k) step += shape_[p].N[k] * du[list[k]];
       u_[p] += step;
-      if (move) x_[p] += step;
+      if (!move) continue;
+      x_[p] += step;
       const double J = material.F[p].determinant();
       if (!(J > 0.0) || !std::isfinite(J))
-        throw RunError(fmt::format("material point {} at ({:.6g}, {:.6g}) is turned inside out (det F = {:.3g}): take "
-                                   "smaller steps",
-                                   p, x_[p].x(), x_[p].y(), J));
+        throw RunError(
+            fmt::format("material point {} at ({:.6g}, {:.6g}) is turned inside out (det F = {:.3g}): take "
+                        "smaller steps",
+                        p, x_[p].x(), x_[p].y(), J));
     }
   }
   for (Anchor* a : anchors) {

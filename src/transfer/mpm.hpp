@@ -13,8 +13,8 @@ public:
   /// ghost_penalty: factor on E of the face stabilisation, 0 for none.
   MpmDiscretisation(Grid grid, double ghost_penalty);
 
-  /// Adds the points of one body. Throws InputError if a point lies outside of the grid or its cell is too large for the
-  /// law's fracture energy.
+  /// Adds the points of one body. Throws InputError if a point lies outside of the grid or its cell is too large for
+  /// the law's fracture energy.
   void add_body(int body, const std::string& name, const Material& material, const SeededPoints& points,
                 double thickness);
 
@@ -28,6 +28,7 @@ public:
 
   std::vector<Vec2> point_positions() const override { return x_; }
   std::vector<Vec2> point_displacements() const override { return u_; }
+  std::vector<Vec2> points_inside(const Region& region, const std::string& body) const override;
   double cell_size() const override { return cell_size_; }
 
   const Grid& grid() const { return grid_; }
@@ -71,6 +72,7 @@ private:
 
   std::vector<int> active_cells_, active_index_;  ///< cell -> index or -1
   std::vector<double> fill_;
+  std::vector<char> holds_rigid_;  ///< active cells with points of a rigid body
   std::vector<int> order_, first_;
   std::vector<Gradients> shape_;           ///< at t_n
   std::vector<std::array<Vec2, 4>> push_;  ///< gradients on the trial configuration
