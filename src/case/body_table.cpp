@@ -19,7 +19,7 @@ Table<BodyMeshOptions> mesh_table() {
   t.choice("kind", &BodyMeshOptions::kind, mesh_kinds, "shape of the elements");
   t.number("size", &BodyMeshOptions::size, Unit::length, positive(), "edge length").required();
   t.integer("order", &BodyMeshOptions::order, mesh_order, "1: linear, 2: quadratic elements");
-  t.boolean("structured", &BodyMeshOptions::structured, "regular rows of elements; shapes made of boxes only");
+  t.boolean("structured", &BodyMeshOptions::structured, "regular rows of elements; discs and shapes made of boxes");
   return t;
 }
 
@@ -72,7 +72,7 @@ Table<PointSeeding> points_table() {
   t.only_with("mesh");
   t.boolean(
       "structured", [](PointSeeding & p) -> auto& { return p.mesh.structured; },
-      "that mesh has regular rows of elements; shapes made of boxes only");
+      "that mesh has regular rows of elements; discs and shapes made of boxes");
   t.only_with("mesh");
   t.integer("per_element", &PointSeeding::per_element, {1.0, 16.0},
             "Gauss points of an element: triangles 1, 3, 6, 12 (default 3); quads 1, 4, 9, 16 (default 4)");
@@ -83,8 +83,8 @@ Table<PointSeeding> points_table() {
 
 void check_structured(const Scope& scope, std::string_view key, const BodyMeshOptions& mesh, const Body& body) {
   Node::Entry* entry = scope.node.find(key);
-  if (!entry || !mesh.structured || !body.shape || only_boxes(*body.shape)) return;
-  scope.child(*entry)->error("structured", "is for shapes made of boxes only");
+  if (!entry || !mesh.structured || !body.shape || has_structured_mesh(*body.shape)) return;
+  scope.child(*entry)->error("structured", "is for discs and shapes made of boxes");
 }
 
 void check_body(Scope& scope, Body& body) {

@@ -17,6 +17,7 @@
 namespace berm {
 
 enum class Method { mpm, fem };
+enum class Formulation { updated_lagrangian, total_lagrangian };
 
 /// Which part of the plane a boundary condition acts on: everything inside all the given limits.
 struct Where {
@@ -170,6 +171,7 @@ struct Case {
   Method method = Method::mpm;
   Plane plane = Plane::strain;
   Kinematics kinematics = Kinematics::finite;
+  Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
   double thickness = 1.0;
   Vec2 gravity = Vec2::Zero();                     ///< at time 1, linear in time [m/s2]
   std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)

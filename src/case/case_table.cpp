@@ -16,6 +16,11 @@ Table<Case> model_table() {
       "kinematics", &Case::kinematics,
       std::vector<std::pair<std::string, Kinematics>>{{"finite", Kinematics::finite}, {"small", Kinematics::small}},
       "finite (logarithmic) or small strain");
+  t.choice("formulation", &Case::formulation,
+           std::vector<std::pair<std::string, Formulation>>{{"updated_lagrangian", Formulation::updated_lagrangian},
+                                                            {"total_lagrangian", Formulation::total_lagrangian}},
+           "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
+           "that crack but hardly move (method \"mpm\")");
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.pair("gravity", &Case::gravity, Unit::acceleration, "at time 1, linear in time");
   return t;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -79,7 +80,40 @@ Mesh with_mid_sides(const Mesh& linear) {
   return mesh;
 }
 
+/// A quad, or its two halves (diagonal from the first to the third corner if `right`).
+void add_cell(Mesh& mesh, BodyMeshKind kind, const std::array<int, 4>& q, bool right) {
+  if (kind == BodyMeshKind::quads) {
+    mesh.add_cell(CellKind::quad4, q.data());
+    return;
+  }
+  const int lower[3] = {q[0], q[1], right ? q[2] : q[3]}, upper[3] = {right ? q[0] : q[1], q[2], q[3]};
+  mesh.add_cell(CellKind::tri3, lower);
+  mesh.add_cell(CellKind::tri3, upper);
+}
+
 }  // namespace
+
+bool has_structured_mesh(const Shape& shape) {
+  return std::holds_alternative<Disc>(shape.form) || only_boxes(shape);
+}
+
+Mesh mesh_disc(const Disc& disc, const BodyMeshOptions& options) {
+  const int n = std::max(1, static_cast<int>(std::lround(std::sqrt(std::numbers::pi) * disc.radius / options.size)));
+  if (n > 5000) throw InputError(fmt::format("mesh: size {:g} m gives too many cells", options.size));
+  Mesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double u = 2.0 * i / n - 1.0, v = 2.0 * j / n - 1.0;
+      mesh.nodes.push_back(disc.centre + disc.radius * Vec2(u * std::sqrt(1.0 - 0.5 * v * v),
+                                                            v * std::sqrt(1.0 - 0.5 * u * u)));
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i;
+      add_cell(mesh, options.kind, {a, a + 1, a + n + 2, a + n + 1}, (i + j) % 2 == 0);
+    }
+  return options.order == 2 ? with_mid_sides(mesh) : mesh;
+}
 
 bool only_boxes(const Shape& shape) {
   if (std::holds_alternative<Box>(shape.form)) return true;
@@ -102,15 +136,7 @@ Mesh mesh_boxes(const Shape& shape, const BodyMeshOptions& options) {
   for (std::size_t j = 0; j + 1 < y.size(); ++j)
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
       if (!region.contains(Vec2(0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])))) continue;
-      const int a = node(i, j), b = node(i + 1, j), c = node(i + 1, j + 1), d = node(i, j + 1);
-      const bool right = (i + j) % 2 == 0;
-      const int quad[4] = {a, b, c, d}, lower[3] = {a, b, right ? c : d}, upper[3] = {right ? a : b, c, d};
-      if (options.kind == BodyMeshKind::quads) {
-        mesh.add_cell(CellKind::quad4, quad);
-      } else {
-        mesh.add_cell(CellKind::tri3, lower);
-        mesh.add_cell(CellKind::tri3, upper);
-      }
+      add_cell(mesh, options.kind, {node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)}, (i + j) % 2 == 0);
     }
   return options.order == 2 ? with_mid_sides(mesh) : mesh;
 }

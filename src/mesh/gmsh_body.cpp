@@ -146,8 +146,9 @@ Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options) {
   if (options.order != 1 && options.order != 2)
     throw InputError(fmt::format("mesh: order {} (1 and 2 are possible)", options.order));
   if (options.structured) {
+    if (const Disc* disc = std::get_if<Disc>(&shape.form)) return mesh_disc(*disc, options);
     if (only_boxes(shape)) return mesh_boxes(shape, options);
-    throw InputError("mesh: a structured mesh needs a shape that is made of boxes only");
+    throw InputError("mesh: a structured mesh needs a disc or a shape that is made of boxes only");
   }
   const ShapeRings rings = evaluate_shape(shape, 720);
   double area = 0.0;

@@ -137,4 +137,37 @@ SeededPoints seed_from_mesh(const Mesh& mesh, int per_element) {
   return out;
 }
 
+void fit_to_cells(SeededPoints& points, const Region& region, const Grid& grid) {
+  const Mesh& mesh = grid.mesh;
+  std::vector<std::vector<int>> in_cell(mesh.n_cells());
+  for (std::size_t p = 0; p < points.x.size(); ++p) {
+    const int cell = grid.locator->locate(points.x[p], -1);
+    if (cell >= 0) in_cell[cell].push_back(static_cast<int>(p));
+  }
+  points.shift.assign(points.x.size(), Vec2::Zero());
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const std::vector<Vec2> polygon = corners(mesh, c);
+    const Piece piece = region.clip(polygon);
+    // A point on the very edge of a cell that the body does not enter keeps its own area.
+    if (piece.area <= 1e-9 * area_of(polygon)) continue;
+    if (in_cell[c].empty()) {
+      points.x.push_back(piece.centroid);
+      points.area.push_back(piece.area);
+      points.shift.push_back(Vec2::Zero());
+      continue;
+    }
+    double area = 0.0;
+    Vec2 mean = Vec2::Zero();
+    for (int p : in_cell[c]) {
+      area += points.area[p];
+      mean += points.area[p] * points.x[p];
+    }
+    mean /= area;
+    for (int p : in_cell[c]) {
+      points.area[p] *= piece.area / area;
+      points.shift[p] = piece.centroid - mean;
+    }
+  }
+}
+
 }  // namespace berm

@@ -1,6 +1,6 @@
 #pragma once
-/// Values between points: a weighted linear least-squares fit over the neighbourhood. Used by probes and for the stress
-/// noise metric.
+/// Values between points: a weighted least-squares fit over the neighbourhood. Used by probes and for the stress noise
+/// metric.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace berm {
 
-/// Weights such that value(at) = sum weight[k] * value(point[k]); exact for linear fields.
+/// Weights such that value(at) = sum weight[k] * value(point[k]); exact for linear fields (degree 2: quadratic ones).
 struct LocalFit {
   std::vector<int> point;
   std::vector<double> weight;
@@ -25,11 +25,14 @@ struct LocalFit {
 class PointBins {
 public:
   PointBins(const std::vector<Vec2>& x, double size);
-  /// Fit over the points within `radius` of `at` (at most the bin size), weighted by volume and a linear hat.
-  /// Falls back to the nearest point if fewer than three are near.
-  LocalFit fit(const Vec2& at, double radius, const std::vector<double>& volume) const;
+  /// Fit over the points within `radius` of `at` (at most the bin size), weighted by volume and a linear hat. A fit of
+  /// degree 2 does not flatten peaks; it needs 8 points that determine it. Too few points, or points in a line: the next
+  /// lower degree, at last the nearest point.
+  LocalFit fit(const Vec2& at, double radius, const std::vector<double>& volume, int degree = 1) const;
 
 private:
+  template <int degree>
+  bool solve(const Vec2& at, double radius, LocalFit& fit) const;
   int bin(const Vec2& x, int dx, int dy) const;
 
   const std::vector<Vec2>& x_;

@@ -111,7 +111,7 @@ void build_mpm(World& w) {
     node_groups = mesh.node_groups;
     grid = make_unstructured_grid(std::move(mesh));
   }
-  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.solver.ghost_penalty);
+  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.solver.ghost_penalty, c.formulation);
   const double spacing = mpm->cell_size() / surface_points_per_cell;
   std::vector<BodySurface> surfaces;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
@@ -129,6 +129,7 @@ void build_mpm(World& w) {
     if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
       const Mesh mesh = body_mesh(body, body.points.mesh);
       points = seed_from_mesh(mesh, body.points.per_element);
+      if (body.shape) fit_to_cells(points, Region(*body.shape), mpm->grid());
       surfaces.push_back(body.shape ? surface_of_shape(static_cast<int>(b), Region(*body.shape), spacing)
                                     : surface_of_mesh(static_cast<int>(b), mesh, spacing));
       summary.elements = mesh.n_cells();
@@ -215,7 +216,10 @@ std::string describe(World& w) {
   std::string text;
   auto line = [&](const std::string& s) { text += s + "\n"; };
   line(fmt::format("{}", w.spec.title));
-  line(fmt::format("  method            {}, plane {}, {} strain", w.spec.method == Method::mpm ? "mpm" : "fem",
+  line(fmt::format("  method            {}, plane {}, {} strain",
+                   w.spec.method == Method::fem                          ? "fem"
+                   : w.spec.formulation == Formulation::total_lagrangian ? "mpm, total Lagrangian"
+                                                                         : "mpm",
                    w.spec.plane == Plane::strain ? "strain" : "stress",
                    w.spec.kinematics == Kinematics::finite ? "finite" : "small"));
   for (const BodySummary& b : w.bodies)

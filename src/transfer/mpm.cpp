@@ -11,8 +11,10 @@
 
 namespace berm {
 
-MpmDiscretisation::MpmDiscretisation(Grid grid, double ghost_penalty)
-    : grid_(std::move(grid)), ghost_penalty_(ghost_penalty) {
+MpmDiscretisation::MpmDiscretisation(Grid grid, double ghost_penalty, Formulation formulation)
+    : grid_(std::move(grid)),
+      ghost_penalty_(ghost_penalty),
+      total_lagrangian_(formulation == Formulation::total_lagrangian) {
   nodes = grid_.mesh.nodes;
   active.assign(nodes.size(), 0);
   active_index_.assign(grid_.mesh.n_cells(), -1);
@@ -40,12 +42,15 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     length.push_back(crack_band_length(spec, grid_.mesh, cell));
     const std::string problem = std::visit([&](const auto& law) { return law.check(length.back()); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
+    X_.push_back(points.x[p]);
     x_.push_back(points.x[p]);
     u_.push_back(Vec2::Zero());
     mass_.push_back(spec.density * volume.back());
     area_.push_back(points.area[p]);
     youngs_.push_back(youngs * thickness);
     cell_.push_back(cell);
+    home_.push_back(points.shift.empty() ? -1 : cell);
+    shift_.push_back(points.shift.empty() ? Vec2::Zero() : points.shift[p]);
   }
   material.add(body, spec.law, volume, length);
   shape_.resize(x_.size());
@@ -54,6 +59,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
 
 void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
   for (std::size_t p = 0; p < x_.size(); ++p) {
+    if (total_lagrangian_) break;  // the cells of the start hold
     cell_[p] = grid_.locator->locate(x_[p], cell_[p]);
     if (cell_[p] < 0)
       throw RunError(
@@ -62,7 +68,7 @@ void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
                       p, x_[p].x(), x_[p].y()));
   }
   for (Anchor* a : anchors) {
-    a->cell = grid_.locator->locate(a->x + 1e-6 * cell_size_ * a->inward, a->cell);
+    a->cell = grid_.locator->locate(seen(*a) + 1e-6 * cell_size_ * a->inward, a->cell);
     if (a->cell < 0)
       throw RunError(
           fmt::format("a surface point has left the background grid at ({:.6g}, {:.6g}): make the grid larger",
@@ -72,7 +78,7 @@ void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
   evaluate_shapes();
   for (Anchor* a : anchors) {
     Shape4 shape{};
-    linear_shape(grid_.mesh, a->cell, a->x, shape);
+    linear_shape(grid_.mesh, a->cell, seen(*a), shape);
     a->block = active_index_[a->cell];
     a->stencil.n = shape.n;
     for (int k = 0; k < shape.n; ++k) {
@@ -127,7 +133,7 @@ void MpmDiscretisation::evaluate_shapes() {
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     double area = 0.0, stiffness = 0.0;
     for (int p : points_in(static_cast<int>(a))) {
-      if (!linear_shape(grid_.mesh, active_cells_[a], x_[p], shape))
+      if (!linear_shape(grid_.mesh, active_cells_[a], seen(p), shape))
         throw RunError(fmt::format("cell {} of the background grid is too distorted", active_cells_[a]));
       shape_[p] = {shape.N, shape.grad};
       area += area_[p];
@@ -204,8 +210,9 @@ void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinema
         push_[p] = s.grad;
         continue;
       }
-      const Mat2 dF = Mat2::Identity() + grad;
-      material.trial_F[p] = dF * material.F[p];
+      // Gradients by reference coordinates (total) or by those at t_n (updated).
+      const Mat2 dF = total_lagrangian_ ? Mat2(material.F[p] + grad) : Mat2(Mat2::Identity() + grad);
+      material.trial_F[p] = total_lagrangian_ ? dF : Mat2(dF * material.F[p]);
       const Mat2 push = dF.inverse().transpose();
       for (int k = 0; k < n; ++k) push_[p][k] = push * s.grad[k];
     }

@@ -1,6 +1,8 @@
 #pragma once
-/// Implicit material point method on a background grid with linear shape functions, updated Lagrangian
-/// (docs/theory/formulation.md). The only place where points meet nodes.
+/// Implicit material point method on a background grid with linear shape functions (docs/theory/formulation.md). The
+/// only place where points meet nodes. Updated Lagrangian: points see the grid from where they are at t_n. Total
+/// Lagrangian: they see it from where they started, so that no point ever crosses a cell and no gap can open between
+/// points: for specimens that crack but hardly move.
 
 #include "mesh/grid.hpp"
 #include "method/discretisation.hpp"
@@ -11,7 +13,7 @@ namespace berm {
 class MpmDiscretisation final : public Discretisation {
 public:
   /// ghost_penalty: factor on E of the face stabilisation, 0 for none.
-  MpmDiscretisation(Grid grid, double ghost_penalty);
+  MpmDiscretisation(Grid grid, double ghost_penalty, Formulation formulation = Formulation::updated_lagrangian);
 
   /// Adds the points of one body. Throws InputError if a point lies outside of the grid or its cell is too large for
   /// the law's fracture energy.
@@ -65,10 +67,20 @@ private:
   double ghost_penalty_ = 0.0;
   Kinematics kinematics_ = Kinematics::finite;
 
-  std::vector<Vec2> x_, u_;
+  bool total_lagrangian_ = false;
+  /// Place from which the grid is seen.
+  Vec2 seen(int p) const {
+    const Vec2& x = total_lagrangian_ ? X_[p] : x_[p];
+    return cell_[p] == home_[p] ? Vec2(x + shift_[p]) : x;  // points in their first cell keep its quadrature
+  }
+  Vec2 seen(const Anchor& a) const { return total_lagrangian_ ? a.X : a.x; }
+
+  std::vector<Vec2> X_, x_, u_;  ///< start, now, and what lies between
   std::vector<double> mass_, area_;
   std::vector<double> youngs_;  ///< of the point's material, scales the stabilisation
   std::vector<int> cell_;
+  std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1
+  std::vector<Vec2> shift_;  ///< of their places in that cell
 
   std::vector<int> active_cells_, active_index_;  ///< cell -> index or -1
   std::vector<double> fill_;

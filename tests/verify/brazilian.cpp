@@ -1,0 +1,106 @@
+/// Elastic disc under two opposite pressures that do not fit the grid: stresses on the loaded diameter against the exact
+/// solution (Hondros 1959).
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "driver.hpp"
+#include "sim/local_fit.hpp"
+
+namespace berm::verify {
+namespace {
+
+constexpr double radius = 0.075, pressure = 1e6, alpha = 5.739 * std::numbers::pi / 180.0;
+
+struct Stress {
+  double xx, yy;
+};
+
+/// At the height y on the loaded diameter.
+Stress exact(double y) {
+  const double r2 = (y / radius) * (y / radius), c = std::cos(2.0 * alpha), s = std::sin(2.0 * alpha);
+  const double first = (1.0 - r2) * s / (1.0 - 2.0 * r2 * c + r2 * r2);
+  const double second = std::atan((1.0 + r2) / (1.0 - r2) * std::tan(alpha));
+  const double f = 2.0 * pressure / std::numbers::pi;
+  return {f * (first - second), -f * (first + second)};
+}
+
+struct Errors {
+  double centre;    ///< of sigma_xx there
+  double xx, yy;    ///< L2 over |y| <= 0.8 R, relative
+  double load;      ///< of the total force of a pressure
+  double centre_xx; ///< in units of 2P/(pi D t)
+};
+
+Errors solve(const std::vector<std::string>& overrides) {
+  Model model(read_case(BERM_SOURCE_DIR "/tests/verify/brazilian_elastic.toml", overrides));
+  const std::vector<Vec2> x = model.world->discretisation->point_positions();
+  model.advance(1.0);
+  const double reach = 1.5 * model.world->discretisation->cell_size();
+  const PointBins bins(x, reach);
+  auto at = [&](double y, int component) {
+    return bins.fit(Vec2(0.0, y), reach, model.material().volume, 2).apply([&](int p) {
+      return model.material().stress[p][component];
+    });
+  };
+  Errors e{};
+  e.load = relative(model.step.balance().pressure_force[1].y(), 2.0 * pressure * radius * std::sin(alpha));
+  const double centre = at(0.0, XX);
+  e.centre = relative(centre, exact(0.0).xx);
+  e.centre_xx = centre / (2.0 * pressure * std::sin(alpha) / std::numbers::pi);
+  double size_xx = 0.0, size_yy = 0.0;
+  for (int k = -80; k <= 80; ++k) {
+    const double y = 0.01 * k * radius;
+    const Stress s = exact(y);
+    e.xx += std::pow(at(y, XX) - s.xx, 2);
+    e.yy += std::pow(at(y, YY) - s.yy, 2);
+    size_xx += s.xx * s.xx;
+    size_yy += s.yy * s.yy;
+  }
+  e.xx = std::sqrt(e.xx / size_xx);
+  e.yy = std::sqrt(e.yy / size_yy);
+  return e;
+}
+
+TEST(BrazilianElastic, ExactSolutionHasTheKnownCentreValues) {
+  // Values of the solution in units of 2P/(pi D t).
+  const double unit = 2.0 * pressure * std::sin(alpha) / std::numbers::pi;
+  EXPECT_NEAR(exact(0.0).xx / unit, 0.98830, 1e-4);
+  EXPECT_NEAR(exact(0.0).yy / unit, -2.99165, 1e-4);
+}
+
+TEST(BrazilianElastic, StressesOnTheLoadedDiameter) {
+  struct Variant {
+    const char* name;
+    double h;
+    std::vector<std::string> overrides;
+  };
+  const std::string group = "Brazilian disc, elastic";
+  for (const Variant& v :
+       {Variant{"mpm, axis in mid-cell, h = 5 mm", 0.005, {}},
+        {"mpm, axis on a grid line, h = 5 mm", 0.005, {"grid.origin=[-0.085,-0.085]", "grid.cells=[34,34]"}},
+        {"mpm, grid turned by 20 deg, h = 5 mm", 0.005, {"grid.origin=[-0.1,-0.1]", "grid.cells=[40,40]", "grid.angle=20"}},
+        {"mpm, triangles, h = 2.5 mm", 0.0025, {"grid.kind=\"union_jack\"", "grid.cell_size=0.0025", "grid.cells=[66,66]"}},
+        {"mpm, quads, h = 2.5 mm", 0.0025, {"grid.cell_size=0.0025", "grid.cells=[66,66]"}},
+        {"fem, quads, h = 5 mm", 0.005, {"method=\"fem\""}},
+        {"fem, quads, h = 2.5 mm", 0.0025, {"method=\"fem\"", "body.disc.mesh.size=0.0025"}},
+        {"fem, quad8, h = 5 mm", 0.0025, {"method=\"fem\"", "body.disc.mesh.order=2"}}}) {
+    SCOPED_TRACE(v.name);
+    const Errors e = solve(v.overrides);
+    const bool fine = v.h < 0.005;
+    EXPECT_LT(e.load, 1e-3);
+    EXPECT_LT(e.centre, 0.01);
+    EXPECT_LT(e.xx, fine ? 0.03 : 0.09);
+    EXPECT_LT(e.yy, 0.03);
+    const char* source = "exact solution of Hondros (1959)";
+    record({group, fmt::format("{}: centre stress xx over 2P/(pi D t)", v.name), e.centre_xx, "0.98830", "1 %", source});
+    record({group, fmt::format("{}: L2 error of stress xx, |y| < 0.8 R", v.name), e.xx, "0", fine ? "3 %" : "9 %", source});
+    record({group, fmt::format("{}: L2 error of stress yy, |y| < 0.8 R", v.name), e.yy, "0", "3 %", source});
+    fmt::print("load {}\n", e.load);
+  }
+}
+
+}  // namespace
+}  // namespace berm::verify
