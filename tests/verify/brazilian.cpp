@@ -1,5 +1,5 @@
-/// Elastic disc under two opposite pressures that do not fit the grid: stresses on the loaded diameter against the exact
-/// solution (Hondros 1959).
+/// Elastic disc under two opposite pressures that do not fit the grid: stresses on the loaded diameter against the
+/// exact solution (Hondros 1959).
 
 #include <fmt/format.h>
 
@@ -28,10 +28,10 @@ Stress exact(double y) {
 }
 
 struct Errors {
-  double centre;    ///< of sigma_xx there
-  double xx, yy;    ///< L2 over |y| <= 0.8 R, relative
-  double load;      ///< of the total force of a pressure
-  double centre_xx; ///< in units of 2P/(pi D t)
+  double centre;     ///< of sigma_xx there
+  double xx, yy;     ///< L2 over |y| <= 0.8 R, relative
+  double load;       ///< of the total force of a pressure
+  double centre_xx;  ///< in units of 2P/(pi D t)
 };
 
 Errors solve(const std::vector<std::string>& overrides) {
@@ -75,30 +75,39 @@ TEST(BrazilianElastic, StressesOnTheLoadedDiameter) {
   struct Variant {
     const char* name;
     double h;
+    double centre;  ///< tolerance
     std::vector<std::string> overrides;
   };
   const std::string group = "Brazilian disc, elastic";
   for (const Variant& v :
-       {Variant{"mpm, axis in mid-cell, h = 5 mm", 0.005, {}},
-        {"mpm, axis on a grid line, h = 5 mm", 0.005, {"grid.origin=[-0.085,-0.085]", "grid.cells=[34,34]"}},
-        {"mpm, grid turned by 20 deg, h = 5 mm", 0.005, {"grid.origin=[-0.1,-0.1]", "grid.cells=[40,40]", "grid.angle=20"}},
-        {"mpm, triangles, h = 2.5 mm", 0.0025, {"grid.kind=\"union_jack\"", "grid.cell_size=0.0025", "grid.cells=[66,66]"}},
-        {"mpm, quads, h = 2.5 mm", 0.0025, {"grid.cell_size=0.0025", "grid.cells=[66,66]"}},
-        {"fem, quads, h = 5 mm", 0.005, {"method=\"fem\""}},
-        {"fem, quads, h = 2.5 mm", 0.0025, {"method=\"fem\"", "body.disc.mesh.size=0.0025"}},
-        {"fem, quad8, h = 5 mm", 0.0025, {"method=\"fem\"", "body.disc.mesh.order=2"}}}) {
+       {Variant{"mpm, axis in mid-cell, h = 5 mm", 0.005, 0.01, {}},
+        {"mpm, axis on a grid line, h = 5 mm", 0.005, 0.01, {"grid.origin=[-0.085,-0.085]", "grid.cells=[34,34]"}},
+        {"mpm, grid turned by 20 deg, h = 5 mm",
+         0.005,
+         0.01,
+         {"grid.origin=[-0.1,-0.1]", "grid.cells=[40,40]", "grid.angle=20"}},
+        {"mpm, triangles, h = 2.5 mm",
+         0.0025,
+         0.01,
+         {"grid.kind=\"union_jack\"", "grid.cell_size=0.0025", "grid.cells=[66,66]"}},
+        {"mpm, quads, h = 2.5 mm", 0.0025, 0.01, {"grid.cell_size=0.0025", "grid.cells=[66,66]"}},
+        {"fem, quads, h = 5 mm", 0.005, 0.015, {"method=\"fem\""}},
+        {"fem, quads, h = 2.5 mm", 0.0025, 0.01, {"method=\"fem\"", "body.disc.mesh.size=0.0025"}},
+        {"fem, quad8, h = 5 mm", 0.0025, 0.01, {"method=\"fem\"", "body.disc.mesh.order=2"}}}) {
     SCOPED_TRACE(v.name);
     const Errors e = solve(v.overrides);
-    const bool fine = v.h < 0.005;
+    const bool fine = v.h < 0.005;  // bilinear cells of 5 mm do not resolve stress xx where it falls off under the load
     EXPECT_LT(e.load, 1e-3);
-    EXPECT_LT(e.centre, 0.01);
+    EXPECT_LT(e.centre, v.centre);
     EXPECT_LT(e.xx, fine ? 0.03 : 0.09);
     EXPECT_LT(e.yy, 0.03);
     const char* source = "exact solution of Hondros (1959)";
-    record({group, fmt::format("{}: centre stress xx over 2P/(pi D t)", v.name), e.centre_xx, "0.98830", "1 %", source});
-    record({group, fmt::format("{}: L2 error of stress xx, |y| < 0.8 R", v.name), e.xx, "0", fine ? "3 %" : "9 %", source});
+    record({group, fmt::format("{}: centre stress xx over 2P/(pi D t)", v.name), e.centre_xx, "0.98830",
+            fmt::format("{} %", 100 * v.centre), source});
+    record({group, fmt::format("{}: L2 error of stress xx, |y| < 0.8 R", v.name), e.xx, "0", fine ? "3 %" : "9 %",
+            source});
     record({group, fmt::format("{}: L2 error of stress yy, |y| < 0.8 R", v.name), e.yy, "0", "3 %", source});
-    fmt::print("load {}\n", e.load);
+    record({group, fmt::format("{}: error of the total load", v.name), e.load, "0", "0.1 %", "2 p R t sin(alpha)"});
   }
 }
 

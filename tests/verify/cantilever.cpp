@@ -1,5 +1,6 @@
-/// Cantilever bent by its own weight (8 m x 1 m, E = 90 MPa, nu = 0, 1000 kg/m3) in one load step: MPM against FEM (both with the increment of F from gradients on the
-/// configuration at t_n), both against a geometrically exact beam, and the order of convergence.
+/// Cantilever bent by its own weight (8 m x 1 m, E = 90 MPa, nu = 0, 1000 kg/m3) in one load step: MPM against FEM
+/// (both with the increment of F from gradients on the configuration at t_n), both against a geometrically exact beam,
+/// and the order of convergence.
 
 #include <fmt/format.h>
 
@@ -12,8 +13,8 @@ namespace {
 
 constexpr double length = 8.0, depth = 1.0, youngs = 90e6, density = 1000.0, gravity = 9.81;
 
-/// Tip deflection of the shear-deformable, extensible, geometrically exact beam (Reissner 1972; kappa = 5/6, nu = 0) under
-/// dead weight: shooting on the root moment with the classical Runge-Kutta method.
+/// Tip deflection of the shear-deformable, extensible, geometrically exact beam (Reissner 1972; kappa = 5/6, nu = 0)
+/// under dead weight: shooting on the root moment with the classical Runge-Kutta method.
 double exact_beam() {
   const double EI = youngs * std::pow(depth, 3) / 12.0, EA = youngs * depth, GA = 5.0 / 6.0 * 0.5 * youngs * depth;
   const double weight = density * gravity * depth;
@@ -78,12 +79,13 @@ to = [7.999999, 0.5]
 count = 1
 adaptive = false
 )",
-                     method, -gravity, -2.0 + grid_shift, h, std::lround(8.5 / h), std::lround(4.0 / h), density, youngs, length,
-                     depth, h);
+                     method, -gravity, -2.0 + grid_shift, h, std::lround(8.5 / h), std::lround(4.0 / h), density,
+                     youngs, length, depth, h);
 }
 
 double deflection(const std::string& method, double h, double grid_shift = 0.0, int steps = 1, int order = 1) {
-  Model model(case_text(method, h, grid_shift), {fmt::format("steps.count={}", steps), fmt::format("body.beam.mesh.order={}", order)});
+  Model model(case_text(method, h, grid_shift),
+              {fmt::format("steps.count={}", steps), fmt::format("body.beam.mesh.order={}", order)});
   for (int k = 0; k < steps; ++k)
     if (!model.advance(1.0 / steps).converged) return NAN;
   return -model.gauge_end().y();
@@ -97,12 +99,12 @@ TEST(Cantilever, OneStepMpmEqualsFem) {
           "FEM of this program, total Lagrangian"});
   const double exact = exact_beam();
   EXPECT_NEAR(mpm, exact, 0.005 * exact);
-  record({"Cantilever, self-weight", "80 x 10 quads, one step: MPM tip deflection [m]", mpm, fmt::format("{:.5f}", exact), "0.5 %",
-          "geometrically exact beam (Reissner), kappa = 5/6"});
+  record({"Cantilever, self-weight", "80 x 10 quads, one step: MPM tip deflection [m]", mpm,
+          fmt::format("{:.5f}", exact), "0.5 %", "geometrically exact beam (Reissner), kappa = 5/6"});
   const double quadratic = deflection("fem", 0.1, 0.0, 1, 2);
   EXPECT_NEAR(quadratic, exact, 0.001 * exact);
-  record({"Cantilever, self-weight", "80 x 10 quad8, one step: FEM tip deflection [m]", quadratic, fmt::format("{:.5f}", exact),
-          "0.1 %", "the same beam"});
+  record({"Cantilever, self-weight", "80 x 10 quad8, one step: FEM tip deflection [m]", quadratic,
+          fmt::format("{:.5f}", exact), "0.1 %", "the same beam"});
 }
 
 TEST(Cantilever, CutCellsAndManySteps) {
@@ -133,8 +135,9 @@ TEST(Cantilever, SecondOrderInCellSize) {
       }
       const double order = std::log2((w[2] - w[1]) / (w[3] - w[2]));
       EXPECT_NEAR(order, 2.0, 0.3);
-      record({"Cantilever, self-weight", fmt::format("{}{}: order of the tip deflection, h = 1/4, 1/8, 1/16", method,
-                                                     shift > 0.0 ? ", beam faces in mid-cell" : ""),
+      record({"Cantilever, self-weight",
+              fmt::format("{}{}: order of the tip deflection, h = 1/4, 1/8, 1/16", method,
+                          shift > 0.0 ? ", beam faces in mid-cell" : ""),
               order, "2", "0.3", "bilinear functions"});
     }
 }

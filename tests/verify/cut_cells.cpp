@@ -69,7 +69,7 @@ fix = "x"
 count = 2
 adaptive = false
 )",
-                                                                  16 * h - 1e-6, 16 * h + 1e-6, -stress));
+                                                                   16 * h - 1e-6, 16 * h + 1e-6, -stress));
   Reached r;
   for (int k = 0; k < 2; ++k) r.iterations = std::max(r.iterations, model.advance(0.5).iterations);
   r.modulus = stress / (model.world->boundary->gauges()[0].elongation() / 0.1);
@@ -87,12 +87,13 @@ TEST(CutCells, UniaxialStiffnessIsExact) {
   }
   EXPECT_LT(worst, 1e-4);  // the strain is 2.8e-5: finite strain is that much stiffer
   EXPECT_LE(most, 6);
-  record({"Cut cells", fmt::format("uniaxial pull, {} grid offsets: largest error of Young's modulus", offsets.size()), worst, "0",
-          "1e-4", "uniform stress"});
+  record({"Cut cells", fmt::format("uniaxial pull, {} grid offsets: largest error of Young's modulus", offsets.size()),
+          worst, "0", "1e-4", "uniform stress"});
   record({"Cut cells", "the same: most linear solves in a step", double(most), "few", "<= 6", "Newton's method"});
 }
 
-/// Compression between rough platens, tied at both ends: no uniform field, exact stiffness unknown, but it is one number.
+/// Compression between rough platens, tied at both ends: no uniform field, exact stiffness unknown, but it is one
+/// number.
 Reached between_platens(double offset, const std::string& law, double strain, int steps) {
   Model model(common(offset, 8 * h, 16 * h, law) + fmt::format(R"(
 [body.top]
@@ -112,7 +113,8 @@ rigid = "base"
 count = {}
 adaptive = false
 )",
-                                                             16 * h, 8 * h, 16 * h + 0.02, -strain * 16 * h, 8 * h, steps));
+                                                               16 * h, 8 * h, 16 * h + 0.02, -strain * 16 * h, 8 * h,
+                                                               steps));
   Reached r;
   for (int k = 0; k < steps; ++k) r.iterations = std::max(r.iterations, model.advance(1.0 / steps).iterations);
   const int top = 1;  // second body of the case
@@ -133,8 +135,8 @@ TEST(CutCells, StiffnessBetweenPlatensDoesNotDependOnTheOffset) {
   }
   EXPECT_LT(high / low - 1.0, 0.005);
   EXPECT_LE(most, 6);
-  record({"Cut cells", fmt::format("rough platens, {} grid offsets: spread of the stiffness", offsets.size()), high / low - 1.0,
-          "0", "0.5 %", "the stiffness is a property of the specimen"});
+  record({"Cut cells", fmt::format("rough platens, {} grid offsets: spread of the stiffness", offsets.size()),
+          high / low - 1.0, "0", "0.5 %", "the stiffness is a property of the specimen"});
 }
 
 TEST(CutCells, DamagingStepsConvergeAtEveryOffset) {
@@ -154,8 +156,8 @@ TEST(CutCells, DamagingStepsConvergeAtEveryOffset) {
   EXPECT_LT(high / low - 1.0, 0.005);
   EXPECT_GT(largest, 0.1);
   EXPECT_LE(most, 8);
-  record({"Cut cells", "rough platens, Simo-Ju, damaged edges: spread of the secant stiffness", high / low - 1.0, "0", "0.5 %",
-          "the same"});
+  record({"Cut cells", "rough platens, Simo-Ju, damaged edges: spread of the secant stiffness", high / low - 1.0, "0",
+          "0.5 %", "the same"});
   record({"Cut cells", "the same: most linear solves in a step", double(most), "few", "<= 8", "Newton's method"});
 }
 

@@ -63,7 +63,9 @@ void record(const Row& row) {
 namespace {
 /// Removes the scratch files of this process.
 struct Cleaner : ::testing::Environment {
-  void TearDown() override { std::filesystem::remove_all(std::filesystem::path(berm::verify::scratch_file("x")).parent_path()); }
+  void TearDown() override {
+    std::filesystem::remove_all(std::filesystem::path(berm::verify::scratch_file("x")).parent_path());
+  }
 };
 }  // namespace
 

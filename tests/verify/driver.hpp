@@ -44,8 +44,8 @@ struct Model {
 /// |a - b| / |b|.
 inline double relative(double a, double b) { return std::abs(a - b) / std::abs(b); }
 
-/// A row of docs/verification.md; written to the file named by BERM_VERIFICATION_RECORD, if it is set, and to the test's
-/// properties.
+/// A row of docs/verification.md; written to the file named by BERM_VERIFICATION_RECORD, if it is set, and to the
+/// test's properties.
 struct Row {
   std::string group, quantity;
   double reached = 0.0;

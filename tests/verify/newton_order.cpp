@@ -11,7 +11,8 @@ namespace berm::verify {
 namespace {
 
 /// A block of 8 x 8 cells whose lower side is clamped along its left half and whose upper side is pulled up without
-/// sideways motion: damage grows from the end of the clamp, a tough material keeps it from localising in a row of cells.
+/// sideways motion: damage grows from the end of the clamp, a tough material keeps it from localising in a row of
+/// cells.
 std::string case_text(const std::string& method, const std::string& law, const std::string& kinematics) {
   return fmt::format(R"(
 method = "{}"

@@ -102,8 +102,8 @@ Errors patch(const std::string& method, const std::string& parts, bool cut = fal
   const double E = 1e6, nu = 0.3, mu = E / (2.0 * (1.0 + nu)), lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
   const double tr = lambda * gradient.trace();
   Voigt exact;
-  exact << tr + 2.0 * mu * gradient(0, 0), tr + 2.0 * mu * gradient(1, 1), tr,
-      mu * (gradient(0, 1) + gradient(1, 0)), 0.0, 0.0;
+  exact << tr + 2.0 * mu * gradient(0, 0), tr + 2.0 * mu * gradient(1, 1), tr, mu * (gradient(0, 1) + gradient(1, 0)),
+      0.0, 0.0;
 
   const std::vector<Vec2> u = loaded.world->discretisation->point_displacements();
   Errors e{0.0, 0.0, loaded.step.unknowns()};
@@ -208,9 +208,10 @@ TEST(Patch, GaussPointsOnEveryStructuredGrid) {
 TEST(Patch, GaussPointsOnRotatedQuads) {
   // The unit square turned by 30 degrees about the origin, and a grid that fits it.
   const double c = std::sqrt(0.75), s = 0.5;
-  expect_exact("mpm, quads rotated by 30 deg",
-               fmt::format("shape.polygon = [[0.0, 0.0], [{0}, {1}], [{2}, {3}], [{4}, {0}]]\n", c, s, c - s, c + s, -s) +
-                   structured("quads", "angle = \"30 deg\"\n"));
+  expect_exact(
+      "mpm, quads rotated by 30 deg",
+      fmt::format("shape.polygon = [[0.0, 0.0], [{0}, {1}], [{2}, {3}], [{4}, {0}]]\n", c, s, c - s, c + s, -s) +
+          structured("quads", "angle = \"30 deg\"\n"));
 }
 
 TEST(Patch, GaussPointsOnUnstructuredGrids) {
@@ -222,23 +223,29 @@ TEST(Patch, GaussPointsOnUnstructuredGrids) {
 TEST(Patch, FiniteElementsOnDistortedMeshes) {
   for (const bool quadratic : {false, true})
     for (const bool triangles : {false, true})
-      expect_exact(fmt::format("fem, distorted {}", triangles ? (quadratic ? "tri6" : "tri3") : (quadratic ? "quad8" : "quad4")),
-                   fmt::format("file = \"{}\"\npoints = {{ per_element = 4 }}\n", distorted_mesh(triangles, quadratic)) + "[grid]\ncells = [1, 1]\ncell_size = 1.0\n");
+      expect_exact(
+          fmt::format("fem, distorted {}", triangles ? (quadratic ? "tri6" : "tri3") : (quadratic ? "quad8" : "quad4")),
+          fmt::format("file = \"{}\"\npoints = {{ per_element = 4 }}\n", distorted_mesh(triangles, quadratic)) +
+              "[grid]\ncells = [1, 1]\ncell_size = 1.0\n");
 }
 
 TEST(Patch, PointsAwayFromGaussPositions) {
-  report("mpm, quads, quarter positions", square + "points = { per_direction = 2, placement = \"uniform\" }\n" + structured("quads"),
-         1e-10, false);
+  report("mpm, quads, quarter positions",
+         square + "points = { per_direction = 2, placement = \"uniform\" }\n" + structured("quads"), 1e-10, false);
   // The grid is moved by (-0.13, -0.37) h under a body of uniform points: the outer cells are cut.
   const double h = 1.0 / 8.0;
-  const std::string shifted = fmt::format("[grid]\ncells = [9, 9]\ncell_size = {}\norigin = [{}, {}]\n", h, -0.13 * h, -0.37 * h);
-  const std::string regular = square + fmt::format("points = {{ mesh = \"quads\", size = {}, structured = true, per_element = 4 }}\n", h);
+  const std::string shifted =
+      fmt::format("[grid]\ncells = [9, 9]\ncell_size = {}\norigin = [{}, {}]\n", h, -0.13 * h, -0.37 * h);
+  const std::string regular =
+      square + fmt::format("points = {{ mesh = \"quads\", size = {}, structured = true, per_element = 4 }}\n", h);
   report("mpm, quads, points of a regular mesh shifted by (0.13, 0.37) h", regular + shifted, 0.3, true);
-  const std::string fine = square + fmt::format("points = {{ mesh = \"quads\", size = {}, structured = true, per_element = 9 }}\n", h);
+  const std::string fine =
+      square + fmt::format("points = {{ mesh = \"quads\", size = {}, structured = true, per_element = 9 }}\n", h);
   report("mpm, quads, the same with 9 points a cell", fine + shifted, 0.2, true);
   for (int n : {3, 6, 12})
     report(fmt::format("mpm, quads, {} points in every triangle of a body mesh", n),
-           square + fmt::format("points = {{ mesh = \"triangles\", size = {}, per_element = {} }}\n", h, n) + shifted, 0.3, true);
+           square + fmt::format("points = {{ mesh = \"triangles\", size = {}, per_element = {} }}\n", h, n) + shifted,
+           0.3, true);
 }
 
 }  // namespace

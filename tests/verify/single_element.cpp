@@ -107,7 +107,8 @@ double worst_error(const ElementCase& s) {
       expected << t[0], t[1], t[2], 0.0, 0.0, 0.0;
     expected /= J;
     largest = std::max(largest, expected.norm());
-    for (const Voigt& stress : model.material().stress) worst = std::max(worst, (stress - expected).norm() / expected.norm());
+    for (const Voigt& stress : model.material().stress)
+      worst = std::max(worst, (stress - expected).norm() / expected.norm());
   }
   EXPECT_GT(largest, 1e6);  // the path is no walk through zero stress
   return worst;
@@ -143,9 +144,12 @@ TEST(SingleElementPeaks, SimoJuTable) {
     const char* plane;
     double peak;
   };
-  for (const Entry& entry : {Entry{Path::tension, "stress", 1.0}, {Path::tension, "strain", 1.02062},
-                             {Path::compression, "stress", 12.3}, {Path::compression, "strain", 12.5536},
-                             {Path::shear, "strain", 1.19393}, {Path::shear, "stress", 1.19393}}) {
+  for (const Entry& entry : {Entry{Path::tension, "stress", 1.0},
+                             {Path::tension, "strain", 1.02062},
+                             {Path::compression, "stress", 12.3},
+                             {Path::compression, "strain", 12.5536},
+                             {Path::shear, "strain", 1.19393},
+                             {Path::shear, "stress", 1.19393}}) {
     const Concrete c;
     const ElementCase s{"simo_ju", "mpm", entry.plane, "small", entry.path};
     // Strain at the peak: e* = p* C^-1 : S, eq. (15).

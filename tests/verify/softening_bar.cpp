@@ -12,7 +12,8 @@ namespace {
 
 constexpr double E = 35.5e9, ft = 3.05e6, Gf = 100.0;
 
-/// End displacement at the stress s after the peak: (L - l) s/E + l (ft/E) (1 - ln(s/ft)/A), the second term by eq. (16).
+/// End displacement at the stress s after the peak: (L - l) s/E + l (ft/E) (1 - ln(s/ft)/A), the second term by eq.
+/// (16).
 double exact_displacement(double s, double L, double l) {
   const double A = 1.0 / (E * Gf / (l * ft * ft) - 0.5);
   return (L - l) * s / E + l * ft / E * (1.0 - std::log(s / ft) / A);
@@ -59,12 +60,12 @@ tensile_strength = {7}
 fracture_energy = {8}
 )",
                      h, n, a, 0.5 * h, b, L, E, ft, Gf) +
-         body("left", 0.0, a) + body("weak", a, b) +
-         body("right", b, L) + drive;
+         body("left", 0.0, a) + body("weak", a, b) + body("right", b, L) + drive;
 }
 
 std::string pulled_end(double L, double displacement) {
-  return fmt::format("[boundary.right]\nwhere.box = {{ min = [{}, -1.0], max = [{}, 1.0] }}\nux = {}\n", L - 1e-6, L + 1e-6, displacement);
+  return fmt::format("[boundary.right]\nwhere.box = {{ min = [{}, -1.0], max = [{}, 1.0] }}\nux = {}\n", L - 1e-6,
+                     L + 1e-6, displacement);
 }
 
 /// The end is pulled by a traction whose factor is found such that the crack opens steadily.
@@ -127,7 +128,8 @@ void check(const std::string& name, const Curve& c, double h) {
   EXPECT_LT(c.worst_displacement, 0.01);
   const double share = dissipated_share(h);
   EXPECT_NEAR(c.dissipated, share, 0.01);
-  record({"Softening bar", name + ": largest error of delta(s)", c.worst_displacement, "0", "1 %", "theory/damage.md, eq. (16)"});
+  record({"Softening bar", name + ": largest error of delta(s)", c.worst_displacement, "0", "1 %",
+          "theory/damage.md, eq. (16)"});
   record({"Softening bar", name + ": dissipated energy over Gf", c.dissipated, fmt::format("{:.4f}", share), "1 %",
           "theory/damage.md, eqs. (6), (18)"});
 }
