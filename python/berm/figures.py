@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
 
-from berm.raster import nearest_points, paint  # noqa: E402
+from berm.raster import paint  # noqa: E402
 
 DPI = 150
 RUN_COLOURS = ("#0b5394", "#c0504d", "#3a7d44", "#8e6bb0", "#b8860b", "#4f8a8b", "#7f4f24", "#5b5b5b")
@@ -38,6 +38,7 @@ plt.rcParams.update(
         "axes.spines.top": False,
         "axes.spines.right": False,
         "axes.formatter.useoffset": False,
+        "hatch.linewidth": 0.4,
     }
 )
 
@@ -130,7 +131,12 @@ def curve_figure(runs, labels, references, axes):
     plot.set_ylabel(names[1])
     plot.axhline(0.0, color="#444444", linewidth=0.5)
     plot.margins(x=0.02)
-    plot.legend(loc="best")
+    entries = len(overlaid) + len(drawn)
+    if entries <= 4:
+        plot.legend(loc="best")
+    else:  # would hide the curves
+        figure.set_figheight(3.9 + 0.2 * math.ceil(entries / 3))
+        plot.legend(loc="upper center", bbox_to_anchor=(0.48, -0.14), ncols=3, columnspacing=1.5)
     return figure
 
 
@@ -148,7 +154,7 @@ def energy_figure(runs, labels):
     if top == 0.0:
         return None
     factor, unit = unit_for("J", top)
-    columns = min(len(drawn), 3)
+    columns = 2 if len(drawn) == 4 else min(len(drawn), 3)
     rows = math.ceil(len(drawn) / columns)
     width = 5.6 if columns == 1 else 3.7 * columns
     figure, panels = plt.subplots(
@@ -220,45 +226,6 @@ def colour_limits(kind, arrays):
     return 0.0, max((np.percentile(a, 99.5) for a in positive), default=0.0)
 
 
-class Scene:
-    """Where the points of one frame of one run are in the picture; shared by all its maps."""
-
-    def __init__(self, run, label, frame, scale):
-        self.run, self.label, self.frame = run, label, frame
-        shift = (scale - 1.0) * frame.get("displacement", np.zeros_like(frame["position"]))
-        self.x, self.y = (frame["position"] + shift)[:, :2].T
-        self.rings = [np.array(ring) for rings in run.summary.get("body_rings", {}).values() for ring in rings]
-        thickness = run.summary.get("thickness") or 1.0
-        if "volume" in frame:
-            self.side = np.sqrt(np.maximum(frame["volume"], 0.0) / thickness)
-        else:
-            self.side = np.full(len(self.x), np.sqrt(np.ptp(self.x) * np.ptp(self.y) / max(1, len(self.x))))
-        self.picture, self.extent = None, None
-
-    def bounds(self):
-        half = 0.5 * self.side
-        low = [np.array([(self.x - half).min(), (self.y - half).min()])] + [r.min(axis=0) for r in self.rings]
-        high = [np.array([(self.x + half).max(), (self.y + half).max()])] + [r.max(axis=0) for r in self.rings]
-        return np.min(low, axis=0), np.max(high, axis=0)
-
-    def render(self, low, high):
-        self.extent = (low[0], high[0], low[1], high[1])
-        self.picture = nearest_points(self.x, self.y, self.side, self.extent, pixel=max(high - low) / 900.0)
-
-
-def make_scenes(runs, labels, indices, scale):
-    """Scenes of the given frames with common bounds; runs without points are left out."""
-    scenes = [Scene(run, label, run.frame(i), scale) for run, label, i in zip(runs, labels, indices) if i is not None]
-    scenes = [s for s in scenes if len(s.x)]
-    if scenes:
-        bounds = [s.bounds() for s in scenes]
-        low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
-        margin = 0.03 * max(high - low)
-        for scene in scenes:
-            scene.render(low - margin, high + margin)
-    return scenes
-
-
 def map_figure(scenes, field, heading, notes):
     """One field, runs side by side, one colour scale; None if no run has it."""
     pairs = [(scene, note, field.of(scene.frame)) for scene, note in zip(scenes, notes)]
@@ -283,9 +250,9 @@ def map_figure(scenes, field, heading, notes):
             cmap=colours[field.kind],
             aspect="equal",
         )
-        for ring in scene.rings:
-            closed = np.vstack([ring, ring[:1]]) / length_factor
-            panel.plot(closed[:, 0], closed[:, 1], color="#333333", linewidth=0.5, alpha=0.7)
+        scene.draw_bodies(panel, length_factor)
+        panel.set_xlim(np.array(scene.extent[:2]) / length_factor)
+        panel.set_ylim(np.array(scene.extent[2:]) / length_factor)
         panel.grid(False)
         panel.set_title(f"{scene.label}\n{note}", loc="left", fontsize=8)
         panel.set_xlabel(f"x [{length_unit}]\n{span_text(values, factor, unit)}")
@@ -325,11 +292,11 @@ LEFT, RIGHT, HEADING, ABOVE, BELOW, GAP = 0.65, 0.95, 0.3, 0.42, 0.58, 0.28
 def _panels(extent, count):
     """(figure, axes of `count` panels of that shape, axes of the colour bar)."""
     width, height = extent[1] - extent[0], extent[3] - extent[2]
-    scale = min(4.2 / height, (6.5 if count == 1 else 4.6) / width)
-    panel_width, panel_height = scale * width, scale * height
-    cell_width, cell_height = max(panel_width, 1.6) + GAP, ABOVE + panel_height + BELOW
-    columns = min(count, max(1, int(11.0 / cell_width)))
+    columns = 2 if count == 4 else min(count, 3)
     rows = math.ceil(count / columns)
+    scale = min(4.2 / height, {1: 6.5, 2: 4.6, 3: 3.4}[columns] / width)
+    panel_width, panel_height = scale * width, scale * height
+    cell_width, cell_height = max(panel_width, 2.1) + GAP, ABOVE + panel_height + BELOW
     total_width, total_height = LEFT + columns * cell_width + RIGHT, HEADING + rows * cell_height
     figure = plt.figure(figsize=(total_width, total_height))
 

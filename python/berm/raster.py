@@ -1,39 +1,124 @@
-"""Pictures from material points: every pixel takes the value of its nearest point."""
+"""Pictures from material points: every pixel of a body takes the value of its nearest point."""
 
-import math
+from dataclasses import dataclass
 
 import numpy as np
 
-# A point reaches over its pixels up to this many of its own sides from its centre: half a side where points tile the
-# body evenly; the rest closes the seams between unevenly placed ones (Gauss points stand up to 0.577 cells apart).
+# Without an outline a point reaches over its pixels up to this many of its own sides from its centre: half a side where
+# points tile the body evenly; the rest closes the seams between unevenly placed ones (Gauss points stand up to 0.577
+# cells apart). Inside an outline points that stand apart may reach further, up to LIMIT sides.
 REACH = 0.6
+LIMIT = 2.5
+# Neighbours whose displacements differ by more than this many sides have a gap between them.
+GAP = 1.0
 
 
-def nearest_points(x, y, side, extent, pixel):
-    """Number of the nearest point for every pixel, -1 where no point reaches.
+@dataclass
+class Grid:
+    """The pixels of a picture. Row 0 is the bottom."""
 
-    x, y, side: centres and sides of the square points [m]; extent: (x0, x1, y0, y1) [m]; pixel: its size [m].
-    Row 0 of the picture is the bottom.
+    x0: float  # lower left corner [m]
+    y0: float
+    pixel: float  # size of a pixel [m]
+    columns: int
+    rows: int
+
+    @classmethod
+    def over(cls, extent, pixel):
+        """Pixels of that size [m] over extent (x0, x1, y0, y1) [m]."""
+        x0, x1, y0, y1 = extent
+        # A remainder of rounding makes no pixel.
+        count = [max(1, int(np.ceil(length / pixel - 1e-9))) for length in (x1 - x0, y1 - y0)]
+        return cls(x0, y0, pixel, *count)
+
+    def centres(self):
+        """Centres of the columns and of the rows [m]."""
+        return (
+            self.x0 + self.pixel * (np.arange(self.columns) + 0.5),
+            self.y0 + self.pixel * (np.arange(self.rows) + 0.5),
+        )
+
+    def find(self, x, y):
+        """Row and column of places, moved to the rim where they are outside, and whether they are in the picture."""
+        column = np.floor((x - self.x0) / self.pixel).astype(np.int64)
+        row = np.floor((y - self.y0) / self.pixel).astype(np.int64)
+        known = (column >= 0) & (column < self.columns) & (row >= 0) & (row < self.rows)
+        return np.clip(row, 0, self.rows - 1), np.clip(column, 0, self.columns - 1), known
+
+
+def closest(x, y, grid):
+    """Number of the closest of at least one point for every pixel, however far it is."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
+    from vtkmodules.vtkFiltersPoints import vtkPointInterpolator, vtkVoronoiKernel
+
+    # Lengths in pixels: the locator works with single precision and tolerances.
+    places = np.stack([(x - grid.x0) / grid.pixel, (y - grid.y0) / grid.pixel, np.zeros(len(x))], axis=1)
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(places, deep=True))
+    cloud = vtkPolyData()
+    cloud.SetPoints(points)
+    numbers = numpy_to_vtk(np.arange(len(x), dtype=float), deep=True)
+    numbers.SetName("number")
+    cloud.GetPointData().AddArray(numbers)
+    image = vtkImageData()
+    image.SetDimensions(grid.columns, grid.rows, 1)
+    image.SetOrigin(0.5, 0.5, 0.0)
+    interpolator = vtkPointInterpolator()
+    interpolator.SetInputData(image)
+    interpolator.SetSourceData(cloud)
+    interpolator.SetKernel(vtkVoronoiKernel())
+    interpolator.Update()
+    found = vtk_to_numpy(interpolator.GetOutput().GetPointData().GetArray("number"))
+    return np.rint(found).astype(np.int64).reshape(grid.rows, grid.columns)
+
+
+def inside_rings(rings, grid):
+    """Mask of the pixels whose centre is inside the rings (even-odd rule: rings inside rings are holes)."""
+    _, centre_y = grid.centres()
+    toggles = np.zeros((grid.rows, grid.columns + 1), dtype=np.int64)
+    for ring in rings:
+        for (xa, ya), (xb, yb) in zip(ring, np.roll(ring, -1, axis=0)):
+            first, last = np.searchsorted(centre_y, (min(ya, yb), max(ya, yb)))
+            if first == last:
+                continue
+            rows = np.arange(first, last)
+            cross = xa + (centre_y[rows] - ya) * (xb - xa) / (yb - ya)
+            column = np.ceil((cross - grid.x0) / grid.pixel - 0.5)
+            toggles[rows, np.clip(column, 0, grid.columns).astype(np.int64)] += 1
+    return np.cumsum(toggles, axis=1)[:, : grid.columns] % 2 == 1
+
+
+def body_picture(x, y, side, extent, pixel, shift=None, rings=()):
+    """Points of one body: (number of the point for every pixel, -1 where there is none; its distance [m]).
+
+    x, y, side: centres and sides of the square points [m]; extent: (x0, x1, y0, y1) [m]; pixel: its size [m];
+    shift: displacements (n, 2) drawn [m]; rings: outlines of the undisplaced body [m]. A pixel belongs to the body if
+    the displacement of its nearest point takes it back into the outline. Where that is a place whose nearest point was
+    displaced otherwise, the body has opened, and only the points' own reach is drawn.
     """
-    x0, x1, y0, y1 = extent
-    nx, ny = max(1, math.ceil((x1 - x0) / pixel)), max(1, math.ceil((y1 - y0) / pixel))
-    picture = np.full((ny, nx), -1, dtype=np.int64)
-    distance = np.full((ny, nx), np.inf)
-    centre_x, centre_y = x0 + pixel * (np.arange(nx) + 0.5), y0 + pixel * (np.arange(ny) + 0.5)
-    reach = np.maximum(REACH * side, pixel)
-    first_col = np.clip(np.floor((x - reach - x0) / pixel), 0, nx).astype(int)
-    last_col = np.clip(np.ceil((x + reach - x0) / pixel), 0, nx).astype(int)
-    first_row = np.clip(np.floor((y - reach - y0) / pixel), 0, ny).astype(int)
-    last_row = np.clip(np.ceil((y + reach - y0) / pixel), 0, ny).astype(int)
-    for p in range(len(x)):
-        rows, cols = slice(first_row[p], last_row[p]), slice(first_col[p], last_col[p])
-        dx2, dy2 = (centre_x[cols] - x[p]) ** 2, (centre_y[rows] - y[p]) ** 2
-        square = np.add.outer(dy2, dx2)
-        reached = np.logical_and.outer(dy2 <= reach[p] ** 2, dx2 <= reach[p] ** 2)
-        closer = reached & (square < distance[rows, cols])
-        distance[rows, cols][closer] = square[closer]
-        picture[rows, cols][closer] = p
-    return picture
+    grid = Grid.over(extent, pixel)
+    if not len(x):
+        return np.full((grid.rows, grid.columns), -1), np.full((grid.rows, grid.columns), np.inf)
+    picture = closest(x, y, grid)
+    centre_x, centre_y = grid.centres()
+    dx, dy = centre_x[None, :] - x[picture], centre_y[:, None] - y[picture]
+    distance = np.hypot(dx, dy)
+    drawn = np.maximum(np.abs(dx), np.abs(dy)) <= np.maximum(REACH * side, 0.5 * pixel)[picture]
+    if len(rings):
+        shift = np.zeros((len(x), 2)) if shift is None else shift
+        back_x, back_y = centre_x[None, :] - shift[picture, 0], centre_y[:, None] - shift[picture, 1]
+        low, high = np.vstack(rings).min(axis=0), np.vstack(rings).max(axis=0)
+        start = Grid.over((low[0], high[0], low[1], high[1]), pixel)
+        row, column, known = start.find(back_x, back_y)
+        neighbour = closest(x - shift[:, 0], y - shift[:, 1], start)[row, column]
+        # Slivers cut off at an outline have sides far below the distance between points.
+        size = np.maximum(side, np.median(side))
+        jump = np.hypot(*(shift[neighbour] - shift[picture]).transpose(2, 0, 1))
+        whole = (distance <= LIMIT * size[picture]) & (jump <= GAP * size[picture])
+        drawn = known & inside_rings(rings, start)[row, column] & (drawn | whole)
+    return np.where(drawn, picture, -1), np.where(drawn, distance, np.inf)
 
 
 def paint(picture, values):

@@ -204,17 +204,22 @@ def frame_indices(runs):
 
 
 def frame_note(scene):
-    """ "time 0.5 s, displacement 0.3 mm" of the frame, and how far the peak is."""
+    """ "t = 0.5 s, u = 0.3 mm, 46 % of peak": when the frame is, and its part of the largest nominal stress."""
     time, history = scene.frame["time"], scene.run.history
-    text = f"time {time:.4g} s"
+    text = f"t = {time:.3g} s"
     if "imposed_displacement" in history and np.any(history["imposed_displacement"]):
         displacement = np.interp(time, history["time"], history["imposed_displacement"])
-        text += f", u = {figure_text(float(displacement), 'm')}"
+        text += f", u = {figure_text(float(f'{displacement:.3g}'), 'm')}"
+    peak = scene.run.peak_row()
+    if peak is not None:
+        stress = history["nominal_stress"]
+        text += f", {100.0 * np.interp(time, history['time'], stress) / stress[peak]:.0f} % of peak"
     return text
 
 
 def maps_html(runs, labels, scale, pictures):
-    from berm.figures import MAPS, make_scenes, map_figure
+    from berm.figures import MAPS, map_figure
+    from berm.scene import make_scenes
 
     peak, last = frame_indices(runs)
     parts = []
@@ -230,7 +235,8 @@ def maps_html(runs, labels, scale, pictures):
         )
         title = "Maps at the peak" if name == "peak" else "Maps of the last frame"
         note = (
-            f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start. "
+            f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start; "
+            "hatched: rigid bodies; white inside a body: it has opened by more than the side of a point. "
             "Stresses: tension positive, "
             "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."
         )

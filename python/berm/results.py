@@ -10,6 +10,7 @@ import csv
 import json
 import os
 import re
+import tomllib
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -169,6 +170,23 @@ class Run:
         if not stress.size or not np.nanmax(np.abs(stress), initial=0.0) > 0.0:
             return None
         return int(np.nanargmax(np.abs(stress)))
+
+    def rigid_displacements(self, time):
+        """{name of a rigid body: its displacement [m] at that time} by case.toml; empty without that file.
+
+        Motions are given at load factor 1 and grow with it (docs/case_reference.md).
+        """
+        path = os.path.join(self.path, "case.toml")
+        if not os.path.isfile(path):
+            return {}
+        try:
+            with open(path, "rb") as file:
+                bodies = tomllib.load(file).get("body", {})
+        except (OSError, tomllib.TOMLDecodeError) as error:
+            raise ResultError(f"cannot read {path}: {error}") from None
+        factor = np.interp(time, self.history["time"], self.history.get("load_factor", self.history["time"]))
+        rigid = {name: body for name, body in bodies.items() if body.get("rigid")}
+        return {name: factor * np.array(body.get("displacement", (0.0, 0.0)), float) for name, body in rigid.items()}
 
     def frame(self, index):
         """Point fields of a frame, with its "time" [s]. Negative indices count from the end."""

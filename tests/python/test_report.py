@@ -7,13 +7,15 @@ import os
 import tempfile
 import unittest
 
+import matplotlib.pyplot as plt
 import numpy as np
 import synthetic
 
 from berm import report
-from berm.figures import MAPS, colour_limits, make_scenes, unit_for
-from berm.raster import nearest_points, paint
+from berm.figures import MAPS, STRESS_STRAIN, colour_limits, curve_figure, map_figure, unit_for
+from berm.raster import Grid, body_picture, inside_rings, paint
 from berm.results import Run
+from berm.scene import make_scenes
 
 
 class Page(html.parser.HTMLParser):
@@ -180,11 +182,84 @@ class Maps(unittest.TestCase):
 
     def test_pixel_takes_its_nearest_point(self):
         x, y = np.array([0.5, 1.5, 9.5]), np.array([0.5, 0.5, 0.5])
-        picture = nearest_points(x, y, np.ones(3), (0.0, 4.0, 0.0, 1.0), 0.25)
+        picture, distance = body_picture(x, y, np.ones(3), (0.0, 4.0, 0.0, 1.0), 0.25)
         np.testing.assert_array_equal(picture[0], [0, 0, 0, 0, 1, 1, 1, 1, -1, -1, -1, -1, -1, -1, -1, -1])
+        self.assertAlmostEqual(distance[0, 0], np.hypot(0.375, 0.375))
+        self.assertTrue(np.isinf(distance[0, 8:]).all())
         painted = paint(picture, np.array([5.0, 7.0, 0.0]))
         self.assertEqual((painted[0, 0], painted[0, 5]), (5.0, 7.0))
         self.assertTrue(painted.mask[0, 10])
+
+    def test_outline_with_a_hole(self):
+        square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        mask = inside_rings([4.0 * square, 1.0 + 2.0 * square], Grid.over((-1.0, 5.0, 0.0, 4.0), 0.5))
+        self.assertEqual(mask.sum(), 8 * 8 - 4 * 4)
+        np.testing.assert_array_equal(np.flatnonzero(mask[3]), [2, 3, 8, 9])
+
+    def test_uneven_points_fill_their_outline_and_no_more(self):
+        x, y = (np.indices((20, 20)).reshape(2, 400) + np.random.default_rng(1).random((2, 400))) / 20.0
+        ring = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        shift = np.tile([0.3, 0.0], (400, 1))
+        picture, _ = body_picture(x + 0.3, y, np.full(400, 0.05), (0.0, 1.5, -0.2, 1.2), 0.01, shift, [ring])
+        self.assertTrue((picture[20:120, 30:130] >= 0).all())
+        self.assertEqual((picture >= 0).sum(), 100 * 100)
+
+    def test_opened_gap_stays_white(self):
+        x, y = (a.ravel() + 0.5 for a in np.meshgrid(np.arange(10.0), np.arange(4.0)))
+        ring = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 4.0], [0.0, 4.0]])
+
+        def widths(opening):
+            shift = np.stack([np.where(x > 5.0, opening, 0.0), 0.0 * x], axis=1)
+            picture, _ = body_picture(x + shift[:, 0], y, np.ones(40), (0.0, 14.0, 0.0, 4.0), 0.1, shift, [ring])
+            return 0.1 * (picture >= 0).sum(axis=1)
+
+        np.testing.assert_allclose(widths(0.8), 10.8)  # below a side: the body is whole
+        np.testing.assert_allclose(widths(3.0), 10.0, atol=0.25)
+
+    def test_rigid_bodies_are_drawn_where_they_are(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = synthetic.write_run(os.path.join(folder, "mpm"), cell=0.03, steps=10, frames=2)
+            file_name = os.path.join(path, "summary.json")
+            with open(file_name, encoding="utf-8") as file:
+                summary = json.load(file)
+            summary["body_rings"]["platen"] = [[[-0.1, 0.3], [0.1, 0.3], [0.1, 0.4], [-0.1, 0.4]]]
+            with open(file_name, "w", encoding="utf-8") as file:
+                json.dump(summary, file)
+            with open(os.path.join(path, "case.toml"), "w", encoding="utf-8") as file:
+                file.write("[body.platen]\nrigid = true\ndisplacement = [0.0, -0.01]\n[body.specimen]\nrigid = false\n")
+            run = Run(path)
+            scene = make_scenes([run], ["mpm"], [-1], 2.0)[0]
+        self.assertEqual(list(scene.outlines), [0])
+        factor = run.history["load_factor"][-1]
+        self.assertGreater(factor, 0.0)
+        self.assertAlmostEqual(scene.rigid[0][0][0, 1], 0.3 - 2.0 * 0.01 * factor)
+        figure = map_figure([scene], MAPS[0], "last frame", ["note"])
+        corners = figure.axes[0].patches[0].get_path().vertices
+        self.assertAlmostEqual(corners[:, 1].min(), 1e3 * (0.3 - 2.0 * 0.01 * factor))
+        plt.close(figure)
+
+    def test_note_of_a_frame_tells_its_load(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(synthetic.write_run(os.path.join(folder, "mpm"), cell=0.03, steps=10, frames=2))
+            last = make_scenes([run], ["mpm"], [-1], 1.0)[0]
+        stress = run.history["nominal_stress"]
+        share = 100.0 * stress[-1] / stress.max()
+        self.assertEqual(report.frame_note(last), f"t = 1 s, u = 0.6 mm, {share:.0f} % of peak")
+
+    def test_six_runs_stand_in_rows_of_three_with_the_legend_below(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = Run(synthetic.write_run(os.path.join(folder, "mpm"), cell=0.03, steps=10, frames=2))
+            names = [f"variant {k}" for k in range(6)]
+            figure = map_figure(make_scenes([run] * 6, names, [-1] * 6, 1.0), MAPS[0], "last frame", names)
+        corners = {tuple(np.round(axes.get_position().p0, 6)) for axes in figure.axes[:6]}
+        self.assertEqual((len({c[0] for c in corners}), len({c[1] for c in corners})), (3, 2))
+        curves = curve_figure([run] * 6, names, [], STRESS_STRAIN)
+        curves.canvas.draw()
+        legend = curves.axes[0].get_legend().get_window_extent()
+        self.assertLess(legend.y1, curves.axes[0].xaxis.get_tightbbox(curves.canvas.get_renderer()).y0)
+        self.assertTrue(0.0 <= legend.x0 and legend.y0 >= 0.0 and legend.x1 <= curves.bbox.x1)
+        for each in (figure, curves):
+            plt.close(each)
 
     def test_scale_moves_the_points(self):
         with tempfile.TemporaryDirectory() as folder:
