@@ -296,7 +296,7 @@ def _panels(extent, count):
     rows = math.ceil(count / columns)
     scale = min(4.2 / height, {1: 6.5, 2: 4.6, 3: 3.4}[columns] / width)
     panel_width, panel_height = scale * width, scale * height
-    cell_width, cell_height = max(panel_width, 2.1) + GAP, ABOVE + panel_height + BELOW
+    cell_width, cell_height = max(panel_width, 2.25) + GAP, ABOVE + panel_height + BELOW
     total_width, total_height = LEFT + columns * cell_width + RIGHT, HEADING + rows * cell_height
     figure = plt.figure(figsize=(total_width, total_height))
 
