@@ -210,7 +210,7 @@ void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinema
         push_[p] = s.grad;
         continue;
       }
-      // Gradients by reference coordinates (total) or by those at t_n (updated).
+      // Gradients by reference coordinates (total, formulation (25)) or by those at t_n (updated).
       const Mat2 dF = total_lagrangian_ ? Mat2(material.F[p] + grad) : Mat2(Mat2::Identity() + grad);
       material.trial_F[p] = total_lagrangian_ ? dF : Mat2(dF * material.F[p]);
       const Mat2 push = dF.inverse().transpose();

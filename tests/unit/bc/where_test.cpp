@@ -1,0 +1,40 @@
+#include "bc/where.hpp"
+
+#include <gtest/gtest.h>
+
+namespace berm {
+namespace {
+
+Vec2 at(double degrees, double r = 1.0) {
+  const double a = degrees * std::numbers::pi / 180.0;
+  return Vec2(2.0 + r * std::cos(a), 3.0 + r * std::sin(a));
+}
+
+Where sector(double from, double to) {
+  Where w;
+  w.sector = Where::Sector{Vec2(2.0, 3.0), from * std::numbers::pi / 180.0, to * std::numbers::pi / 180.0};
+  return w;
+}
+
+TEST(Where, SectorsAcrossTheCut) {
+  EXPECT_TRUE(inside(sector(80.0, 100.0), at(90.0)));
+  EXPECT_FALSE(inside(sector(80.0, 100.0), at(79.0)));
+  EXPECT_FALSE(inside(sector(80.0, 100.0), at(101.0)));
+  EXPECT_TRUE(inside(sector(264.0, 276.0), at(-90.0)));
+  EXPECT_TRUE(inside(sector(-10.0, 10.0), at(355.0)));
+  EXPECT_TRUE(inside(sector(350.0, 370.0), at(5.0)));
+  EXPECT_FALSE(inside(sector(350.0, 370.0), at(15.0)));
+  EXPECT_TRUE(inside(sector(0.0, 360.0), at(200.0)));
+}
+
+TEST(Where, BoxAndSectorMustBothHold) {
+  Where w = sector(0.0, 90.0);
+  w.min = Vec2(2.5, 3.0);
+  w.max = Vec2(4.0, 4.0);
+  EXPECT_TRUE(inside(w, at(45.0)));
+  EXPECT_FALSE(inside(w, at(85.0)));
+  EXPECT_FALSE(inside(w, Vec2(2.6, 2.9)));
+}
+
+}  // namespace
+}  // namespace berm
