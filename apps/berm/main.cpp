@@ -61,7 +61,9 @@ int main(int argc, char** argv) {
   run->add_option("case", file, "case file (TOML)")->required();
   run->add_option("--out", out, "output folder (default: out/<name of the case>)");
   run->add_option("--set", overrides, "override a key: --set solver.integration=impl_ex")->take_all();
-  run->add_option("-n", ranks, "number of processes")->check(CLI::Range(1, 1));
+  run->add_option("-n", ranks, "number of processes (this version: 1)")->check([](const std::string& n) {
+    return n == "1" ? std::string() : "this version runs on one process: leave -n out, or give -n 1";
+  });
   run->add_flag("--quiet", quiet, "only warnings and errors");
 
   CLI::App* check = app.add_subcommand("check", "build everything, run nothing, say what was found");
@@ -104,7 +106,8 @@ int main(int argc, char** argv) {
     });
   return guarded([&] {
     berm::RunOptions options;
-    options.folder = out.empty() ? std::filesystem::path("out") / std::filesystem::path(file).stem() : std::filesystem::path(out);
+    options.folder =
+        out.empty() ? std::filesystem::path("out") / std::filesystem::path(file).stem() : std::filesystem::path(out);
     options.quiet = quiet;
     berm::run_case(berm::read_case(file, overrides), options);
   });

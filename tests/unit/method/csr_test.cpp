@@ -44,7 +44,9 @@ TEST(BlockAssembler, AgreesWithDenseAssembly) {
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(n, n);
   for (int row = 0; row < n; ++row)
     for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) {
-      if (k > csr.row_begin[row]) EXPECT_LT(csr.column[k - 1], csr.column[k]);
+      if (k > csr.row_begin[row]) {
+        EXPECT_LT(csr.column[k - 1], csr.column[k]);
+      }
       found(row, csr.column[k]) = csr.value[k];
     }
   EXPECT_LT((found - dense).cwiseAbs().maxCoeff(), 1e-14);
