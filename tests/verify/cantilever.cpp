@@ -83,9 +83,11 @@ adaptive = false
                      youngs, length, depth, h);
 }
 
-double deflection(const std::string& method, double h, double grid_shift = 0.0, int steps = 1, int order = 1) {
+double deflection(const std::string& method, double h, double grid_shift = 0.0, int steps = 1, int order = 1,
+                  const std::string& formulation = "updated_lagrangian") {
   Model model(case_text(method, h, grid_shift),
-              {fmt::format("steps.count={}", steps), fmt::format("body.beam.mesh.order={}", order)});
+              {fmt::format("steps.count={}", steps), fmt::format("body.beam.mesh.order={}", order),
+               fmt::format("model.formulation=\"{}\"", formulation)});
   for (int k = 0; k < steps; ++k)
     if (!model.advance(1.0 / steps).converged) return NAN;
   return -model.gauge_end().y();
@@ -121,6 +123,13 @@ TEST(Cantilever, CutCellsAndManySteps) {
     record({"Cantilever, self-weight", fmt::format("80 x 10 quads, {} steps: MPM tip deflection [m]", steps), mpm,
             fmt::format("{:.5f}", fem), "2 %", "quad4 FEM of this program, one step"});
   }
+}
+
+TEST(Cantilever, TotalLagrangianDoesNotDependOnTheNumberOfSteps) {
+  const double fem = deflection("fem", 0.1), mpm = deflection("mpm", 0.1, 0.0, 20, 1, "total_lagrangian");
+  EXPECT_NEAR(mpm, fem, 1e-7 * fem);
+  record({"Cantilever, self-weight", "80 x 10 quads, 20 steps, total Lagrangian: MPM over FEM - 1", mpm / fem - 1.0,
+          "0", "1e-7", "quad4 FEM of this program, one step"});
 }
 
 TEST(Cantilever, SecondOrderInCellSize) {
