@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Runs the verification tests and writes docs/verification.md from the figures that they reached.
+
+    table.py TEST_VERIFY [--out FILE]
+"""
+
+import argparse
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+HEAD = """# Verification
+
+Written by `tests/verify/table.py` from a run of `tests/verify/*.cpp`; nothing here is typed by hand but the introductions. Every row is a test:
+*reached* must agree with *should be* within *demanded*, or the test fails. Rows that say "reported" show a property of the method rather than of the program.
+
+```sh
+tests/verify/table.py build/release/tests/test_verify
+```
+"""
+
+# What stands above each group of rows.
+INTRODUCTIONS = {
+    "Single element": """One cell, each law, MPM and FEM, plane strain and plane stress, small and logarithmic strain (tests/verify/single_element.cpp, and with case files
+examples/01_single_element). The closed forms are programmed a second time in tests/verify/closed_forms.hpp, from the equations of theory/damage.md. In finite
+strain they hold between Kirchhoff stress and logarithmic strain. The rows give the largest relative error of any point at any of 25 steps of the eight runs.""",
+    "Newton": """A block of 8 x 8 cells, clamped along half of its lower side and pulled, tough enough not to crack at once (tests/verify/newton_order.cpp). The order p of
+r(k+1) = c r(k)^p from the last three residuals of each damaging step that lie above rounding; the median over the steps.""",
+    "Patch test": """Unit square, E = 1 MPa, nu = 0.3, plane strain, u = (1e-3 x + 2e-4 y, 1e-4 x - 5e-4 y) on the boundary; displacement and stress at every point
+(tests/verify/patch.cpp). Where the grid does not fit the body, the nodes of the cut cells are held. Points of a body with a known outline have their
+quadrature fitted to body and cell and pass wherever they stand; points from a mesh file are taken as they are, and the error is that of their quadrature.""",
+    "Cantilever, self-weight": """8 m x 1 m, E = 90 MPa, nu = 0, 1000 kg/m3, 9.81 m/s2, Hencky's solid, tip deflection 8 % of the length (tests/verify/cantilever.cpp). In one step from
+the undeformed state, with points at Gauss positions, MPM and FEM are the same equations if, and only if, the increment of F takes its gradients on the
+configuration at t_n. With many steps the points leave the Gauss positions, which costs the updated Lagrangian form accuracy; the total Lagrangian one is
+indifferent to it. The reference is a geometrically exact beam with shear, integrated in the test.""",
+    "Brazilian disc, elastic": """D = 0.15 m, pressure on arcs of 11.478 deg, plane stress (tests/verify/brazilian_elastic.toml, brazilian.cpp). Stresses between points by a quadratic
+least-squares fit. Stress xx falls from its plateau to strong compression within a few millimetres under the load; bilinear cells of 5 mm do not resolve that
+(MPM and FEM alike), cells of 2.5 mm and quadratic elements do.""",
+    "Cut cells": """A specimen of 8 x 16 cells on a grid shifted by 0 to 1 cells in both directions: slivers from 1e-9 to 1 of a cell (tests/verify/cut_cells.cpp). Ghost stabilisation
+keeps stiffness and iterations what they are.""",
+    "Softening bar": """One weak cell, Rankine, everything else elastic, 1D, small strain (tests/verify/softening_bar.cpp): delta(s) = (L - l) s/E + l ft/E (1 - ln(s/ft)/A). A bar of 0.6 m
+snaps back and is driven by the opening of its crack. The damage cap of 1 - 1e-5 leaves 0.9 to 2.6 % of Gf undissipated (theory/damage.md, equation 18):
+"should be" contains that. IMPL-EX overshoots the peak; its error tolerance says by how much.""",
+    "Oblique crack": """A plate pulled at an angle to the grid, so that the crack runs across rows of cells (tests/verify/oblique_crack.cpp).""",
+}
+
+TAIL = """
+## Stress noise
+The metric `stress_noise` of summary.json is N = RMS over the points of |s - s'| / max |s|, with the in-plane stress components, |.| their Frobenius norm and s' a linear
+least-squares fit (weights: volume times a linear hat) over the points within one and a half cells. It is taken at the step closest to half the peak load. A smooth field gives
+N near 0; the value says how much of the stress is the grid's.
+"""
+
+
+def read_rows(binary):
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "rows.tsv"
+        done = subprocess.run(
+            [binary], env={**os.environ, "BERM_VERIFICATION_RECORD": str(path)}, stdout=subprocess.PIPE, check=False
+        )
+        text = done.stdout.decode("utf-8", "replace")
+        if done.returncode != 0:
+            sys.exit("the tests fail, no table is written:\n" + "\n".join(text.splitlines()[-20:]))
+        with open(path, encoding="utf-8", newline="") as file:
+            return list(csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+
+
+def number(text):
+    """Errors at the level of rounding differ from machine to machine: only their size is shown."""
+    value = float(text)
+    return f"{value:.0e}" if 0.0 < abs(value) < 1e-9 else f"{value:.5g}"
+
+
+def table(rows):
+    yield "| quantity | reached | should be | demanded | reference |"
+    yield "|---|---|---|---|---|"
+    for _, quantity, reached, reference, tolerance, source in rows:
+        yield f"| {quantity} | {number(reached)} | {reference} | {tolerance} | {source} |"
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Runs the verification tests and writes docs/verification.md.")
+    parser.add_argument("binary", metavar="TEST_VERIFY", help="the test program")
+    parser.add_argument("--out", default=ROOT / "docs" / "verification.md", help="where to write")
+    options = parser.parse_args()
+    rows = read_rows(pathlib.Path(options.binary).resolve())
+    unknown = {row[0] for row in rows} - set(INTRODUCTIONS)
+    if unknown:
+        sys.exit(f"no introduction for {', '.join(sorted(unknown))}: add it to {__file__}")
+    lines = [HEAD]
+    for group, introduction in INTRODUCTIONS.items():
+        own = [row for row in rows if row[0] == group]
+        if own:
+            lines += [f"## {group}", introduction, "", *table(own), ""]
+    pathlib.Path(options.out).write_text("\n".join(lines).rstrip() + "\n" + TAIL, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
