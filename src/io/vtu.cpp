@@ -163,7 +163,9 @@ void write_vtu(const std::string& path, const VtuData& data) {
 PvdWriter::PvdWriter(std::string path) : path_(std::move(path)) {}
 
 void PvdWriter::add(double time, const std::string& file) {
-  entries_.emplace_back(time, file);
+  const auto later = std::upper_bound(entries_.begin(), entries_.end(), time,
+                                      [](double t, const auto& entry) { return t < entry.first; });
+  entries_.insert(later, {time, file});
   std::string xml = "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n";
   for (const auto& [t, name] : entries_)
     xml += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", t, xml_escape(name));

@@ -47,7 +47,8 @@ class PvdWriter {
 public:
   /// Writes nothing yet.
   explicit PvdWriter(std::string path);
-  /// Adds a file (path relative to the folder of the .pvd) at that time. Throws RunError.
+  /// Adds a file (path relative to the folder of the .pvd) at that time; the entries are kept in the order of time.
+  /// Throws RunError.
   void add(double time, const std::string& file);
 
 private:

@@ -26,8 +26,8 @@ class PointBins {
 public:
   PointBins(const std::vector<Vec2>& x, double size);
   /// Fit over the points within `radius` of `at` (at most the bin size), weighted by volume and a linear hat. A fit of
-  /// degree 2 does not flatten peaks; it needs 8 points that determine it. Too few points, or points in a line: the next
-  /// lower degree, at last the nearest point.
+  /// degree 2 does not flatten peaks; it needs 8 points that determine it. Too few points, or points in a line: the
+  /// next lower degree, at last the nearest point.
   LocalFit fit(const Vec2& at, double radius, const std::vector<double>& volume, int degree = 1) const;
 
 private:

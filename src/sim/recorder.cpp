@@ -62,7 +62,7 @@ Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::f
     probes_.push_back({p, bins.fit(p.at, 1.5 * h, world.discretisation->material.volume)});
   history_ = std::make_unique<HistoryWriter>((folder / "history.csv").string(), columns());
   write_row({}, world.spec.solver.integration);
-  write_frame();
+  write_frame(take_frame());
 }
 
 std::vector<std::string> Recorder::columns() const {
@@ -199,22 +199,37 @@ void Recorder::record(const StepResult& result, Integration integration) {
     noise_.emplace_back(std::abs(row_load_), stress_noise());
   const Output& o = world_.spec.output;
   const bool due = o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12;
-  if (due) write_frame();
+  follow_peak();
+  if (due) write_frame(take_frame());
 }
 
-void Recorder::write_frame() {
+/// Keeps the state at the peak load (within 1 %) and writes it once the load has fallen by 3 %.
+void Recorder::follow_peak() {
+  if (row_load_ > 1.01 * highest_) {
+    highest_ = row_load_;
+    peak_ = take_frame();
+  } else if (peak_ && row_load_ < 0.97 * highest_) {
+    write_frame(*peak_);
+    peak_.reset();
+  }
+}
+
+Recorder::Frame Recorder::take_frame() const { return {world_.time, row_load_, points_data(), mesh_data()}; }
+
+void Recorder::write_frame(const Frame& frame) {
   const std::string points = fmt::format("points_{:04d}.vtu", frame_), mesh = fmt::format("mesh_{:04d}.vtu", frame_);
-  write_points(points);
-  write_mesh(mesh);
-  points_pvd_.add(world_.time, points);
-  mesh_pvd_.add(world_.time, mesh);
+  write_vtu((folder_ / points).string(), frame.points);
+  write_vtu((folder_ / mesh).string(), frame.mesh);
+  points_pvd_.add(frame.time, points);
+  mesh_pvd_.add(frame.time, mesh);
   ++frame_;
+  if (frame.time < world_.time) return;
   last_frame_step_ = steps_;
   const double spacing = 1.0 / std::max(1, world_.spec.output.frames);
   while (next_frame_ <= world_.time + 1e-12) next_frame_ += spacing;
 }
 
-void Recorder::write_points(const std::string& name) {
+VtuData Recorder::points_data() const {
   const Discretisation& d = *world_.discretisation;
   const MaterialState& m = d.material;
   const std::vector<Vec2> x = d.point_positions(), u = d.point_displacements();
@@ -242,10 +257,10 @@ void Recorder::write_points(const std::string& name) {
                        {"body", 1, body},
                        {"crack_opening", 1, m.crack_opening()},
                        {"released_energy_fraction", 1, m.released_energy_fraction()}};
-  write_vtu((folder_ / name).string(), data);
+  return data;
 }
 
-void Recorder::write_mesh(const std::string& name) {
+VtuData Recorder::mesh_data() const {
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const auto* fem = dynamic_cast<const FemDiscretisation*>(world_.discretisation.get());
   const MaterialState& m = world_.discretisation->material;
@@ -298,7 +313,7 @@ void Recorder::write_mesh(const std::string& name) {
     data.cell_fields.push_back({"body", 1, body});
     data.point_fields.push_back({"displacement", 3, displacement});
   }
-  write_vtu((folder_ / name).string(), data);
+  return data;
 }
 
 std::vector<std::pair<std::string, double>> Recorder::metrics() const {
@@ -342,7 +357,7 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
 }
 
 void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {
-  if (last_frame_step_ != steps_) write_frame();
+  if (last_frame_step_ != steps_) write_frame(take_frame());
   Summary s;
   s.title = world_.spec.title;
   s.method = world_.spec.method == Method::mpm ? "mpm" : "fem";

@@ -39,9 +39,16 @@ private:
   double stress_noise() const;
   double energy_error() const;
   void write_row(const StepResult& result, Integration integration);
-  void write_frame();
-  void write_points(const std::string& name);
-  void write_mesh(const std::string& name);
+  /// The state as VTK data, taken now and written now or later.
+  struct Frame {
+    double time = 0.0, load = 0.0;
+    VtuData points, mesh;
+  };
+  Frame take_frame() const;
+  VtuData points_data() const;
+  VtuData mesh_data() const;
+  void write_frame(const Frame& frame);
+  void follow_peak();
   std::vector<std::string> columns() const;
 
   const World& world_;
@@ -54,6 +61,8 @@ private:
   int frame_ = 0;
   double next_frame_ = 0.0;
   int last_frame_step_ = -1;
+  std::optional<Frame> peak_;  ///< highest state so far that has no file yet
+  double highest_ = 0.0;       ///< load of the last state that was taken or written at a new maximum
   int steps_ = 0, cut_steps_ = 0;
   long newton_iterations_ = 0;
   double row_load_ = 0.0;
