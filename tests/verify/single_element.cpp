@@ -165,8 +165,9 @@ TEST(SingleElementPeaks, SimoJuTable) {
       peak = std::max(peak, std::abs(s.path == Path::shear ? t[XY] : t[XX]));
     }
     EXPECT_NEAR(peak / c.ft, entry.peak, 1e-5 * entry.peak);
-    record({"Single element", fmt::format("simo_ju, peak / ft, path {} plane {}", int(s.path), s.plane), peak / c.ft,
-            fmt::format("{:.6g}", entry.peak), "1e-5 relative", "theory/damage.md, table of section 3"});
+    const char* names[] = {"tension", "compression", "shear"};
+    record({"Single element", fmt::format("simo_ju, {}, plane {}: peak over ft", names[int(s.path)], s.plane),
+            peak / c.ft, fmt::format("{:.6g}", entry.peak), "1e-5 relative", "theory/damage.md, table of section 3"});
   }
 }
 

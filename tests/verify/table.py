@@ -75,7 +75,7 @@ def read_rows(binary):
 def number(text):
     """Errors at the level of rounding differ from machine to machine: only their size is shown."""
     value = float(text)
-    return f"{value:.0e}" if 0.0 < abs(value) < 1e-9 else f"{value:.5g}"
+    return f"{value:.0e}" if 0.0 < abs(value) < 1e-9 else f"{value:.6g}"
 
 
 def table(rows):
