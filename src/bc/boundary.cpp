@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/error.hpp"
 
@@ -21,6 +20,19 @@ double youngs_modulus(const Case& c, int body) {
   for (const Material& m : c.materials)
     if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.youngs_modulus; }, m.law);
   return 0.0;
+}
+
+/// Part of a surface piece that lies inside `where` [-]: the ends of a loaded arc seldom are ends of pieces.
+double share_inside(const Where& where, const SurfacePoint& s) {
+  constexpr int samples = 100;
+  const Vec2 along = s.length * Vec2(-s.normal.y(), s.normal.x());
+  int count = 0;
+  for (int k = 0; k < samples; ++k) count += inside(where, s.anchor.X + ((k + 0.5) / samples - 0.5) * along);
+  return double(count) / samples;
+}
+
+bool in_group(const SurfacePoint& s, const std::string& group) {
+  return std::find(s.groups.begin(), s.groups.end(), group) != s.groups.end();
 }
 
 }  // namespace
@@ -70,13 +82,28 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d,
     for (int node : candidates) {
       if (!inside(spec.where, d.nodes[node])) continue;
       any = true;
-      if (spec.ux) conditions_.push_back({node, 0, static_cast<int>(b), *spec.ux});
-      if (spec.uy) conditions_.push_back({node, 1, static_cast<int>(b), *spec.uy});
+      if (spec.ux) prescribe(node, 0, static_cast<int>(b), *spec.ux);
+      if (spec.uy) prescribe(node, 1, static_cast<int>(b), *spec.uy);
     }
     if (!any)
       throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
                                    c.method == Method::mpm ? "background grid" : "body meshes"));
   }
+}
+
+/// The first boundary owns a displacement; a second one may only repeat it.
+void BoundaryConditions::prescribe(int node, int component, int boundary, double value) {
+  const auto [owner, is_new] = owner_.try_emplace(2 * node + component, conditions_.size());
+  if (is_new) {
+    conditions_.push_back({node, component, boundary, value});
+    return;
+  }
+  const NodeCondition& first = conditions_[owner->second];
+  if (first.value != value)
+    throw InputError(fmt::format(
+        "[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
+        "make their regions disjoint",
+        case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, component == 0 ? 'x' : 'y'));
 }
 
 void BoundaryConditions::read_pressures(const Case& c) {
@@ -85,9 +112,11 @@ void BoundaryConditions::read_pressures(const Case& c) {
     load.spec = &spec;
     const int body = body_index(c, spec.body);
     for (std::size_t p = 0; p < surface_.size(); ++p)
-      if (surface_[p].anchor.body == body && inside(spec.where, surface_[p].anchor.X) &&
-          (!spec.where.group || surface_[p].group == *spec.where.group))
-        load.points.push_back(static_cast<int>(p));
+      if (surface_[p].anchor.body == body && (!spec.where.group || in_group(surface_[p], *spec.where.group)))
+        if (const double share = share_inside(spec.where, surface_[p]); share > 0.0) {
+          load.points.push_back(static_cast<int>(p));
+          load.area.push_back(share * surface_[p].length * thickness_);
+        }
     if (load.points.empty())
       throw InputError(fmt::format("[pressure.{}] catches no part of the surface of body \"{}\": check its where",
                                    spec.name, spec.body));
@@ -174,11 +203,14 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
   equation_.assign(2 * d.n_nodes(), -1);
   std::vector<char> prescribed(2 * d.n_nodes(), 0);
   for (const NodeCondition& k : conditions_) prescribed[2 * k.node + k.component] = 1;
+  moved_by_rigid_.clear();
   for (RigidContact& contact : contacts_) {
     std::set<int> shared;
     for (const Anchor& a : contact.inside) shared.insert(a.stencil.node.begin(), a.stencil.node.begin() + a.stencil.n);
+    std::erase_if(shared, [&](int node) { return moved_by_rigid_.contains(node); });
     contact.shared_nodes.assign(shared.begin(), shared.end());
     for (int node : contact.shared_nodes) prescribed[2 * node] = prescribed[2 * node + 1] = 1;
+    moved_by_rigid_.insert(shared.begin(), shared.end());
   }
   n_equations_ = 0;
   for (int node = 0; node < d.n_nodes(); ++node)
@@ -249,9 +281,9 @@ void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1,
 
 void BoundaryConditions::add_pressure(NodalVector& f) const {
   for (const PressureLoad& load : pressures_)
-    for (int p : load.points) {
-      const SurfacePoint& s = surface_[p];
-      const Vec2 force = -load.spec->value * s.length * thickness_ * s.normal;
+    for (std::size_t i = 0; i < load.points.size(); ++i) {
+      const SurfacePoint& s = surface_[load.points[i]];
+      const Vec2 force = -load.spec->value * load.area[i] * s.normal;
       for (int k = 0; k < s.anchor.stencil.n; ++k) f[s.anchor.stencil.node[k]] += s.anchor.stencil.N[k] * force;
     }
 }
@@ -289,14 +321,24 @@ Vec2 BoundaryConditions::pressure_force(const std::string& name) const {
   Vec2 sum = Vec2::Zero();
   for (const PressureLoad& load : pressures_)
     if (load.spec->name == name)
-      for (int p : load.points) sum -= load.spec->value * surface_[p].length * thickness_ * surface_[p].normal;
+      for (std::size_t i = 0; i < load.points.size(); ++i)
+        sum -= load.spec->value * load.area[i] * surface_[load.points[i]].normal;
   return sum;
+}
+
+std::string BoundaryConditions::idle_boundary(const Discretisation& d) const {
+  std::vector<char> works(case_.boundaries.size(), 0);
+  for (const NodeCondition& k : conditions_)
+    if (d.active[k.node]) works[k.boundary] = 1;
+  for (const NodeCondition& k : conditions_)
+    if (!works[k.boundary]) return case_.boundaries[k.boundary].name;
+  return "";
 }
 
 Vec2 BoundaryConditions::boundary_force(int boundary, const NodalVector& residual) const {
   Vec2 sum = Vec2::Zero();
   for (const NodeCondition& k : conditions_)
-    if (k.boundary == boundary) sum[k.component] += residual[k.node][k.component];
+    if (k.boundary == boundary && !moved_by_rigid_.contains(k.node)) sum[k.component] += residual[k.node][k.component];
   return sum;
 }
 

@@ -3,6 +3,7 @@
 /// bodies, gauges. Forces are linear in the step's increment except for contact that opens or closes.
 
 #include <map>
+#include <set>
 
 #include "bc/surface.hpp"
 
@@ -51,6 +52,9 @@ public:
 
   std::vector<GaugeLine>& gauges() { return gauges_; }
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
+  const std::vector<PinPoint>& pins() const { return pins_; }
+  /// Name of the first boundary none of whose nodes takes part in the step, or "".
+  std::string idle_boundary(const Discretisation& d) const;
 
 private:
   struct NodeCondition {
@@ -66,6 +70,7 @@ private:
 
   void read_boundaries(const Case& c, const Discretisation& d,
                        const std::map<std::string, std::vector<int>>& node_groups);
+  void prescribe(int node, int component, int boundary, double value);
   void read_pressures(const Case& c);
   void read_contacts(const Case& c, const Discretisation& d);
   void read_pins_and_gauges(const Case& c);
@@ -75,6 +80,8 @@ private:
   const Case& case_;
   double thickness_ = 1.0;
   std::vector<NodeCondition> conditions_;
+  std::map<int, std::size_t> owner_;  ///< 2 node + component -> index into conditions_
+  std::set<int> moved_by_rigid_;      ///< nodes that a rigid body moves in this step, whatever a boundary says
   std::vector<SurfacePoint> surface_;
   std::vector<PressureLoad> pressures_;
   std::vector<RigidContact> contacts_;

@@ -16,13 +16,14 @@ struct SurfacePoint {
   Anchor anchor;
   Vec2 normal = Vec2::Zero();
   double length = 0.0;
-  std::string group;  ///< physical curve of a body mesh, or ""
+  std::vector<std::string> groups;  ///< physical curves of a body mesh
 };
 
 /// A pressure load: the surface points in its region.
 struct PressureLoad {
   const Pressure* spec = nullptr;
   std::vector<int> points;
+  std::vector<double> area;  ///< loaded part of each [m2]
 };
 
 /// One surface point against one rigid body.

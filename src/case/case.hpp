@@ -143,8 +143,8 @@ struct Solver {
   double absolute_tolerance = 1e-10;  ///< of E h t, for unloaded bodies
   int max_iterations = 25;
   bool line_search = true;
-  double ghost_penalty = 0.0333333333333333333;  ///< in units of E; 0 switches it off
-  std::string petsc;                             ///< PETSc options, e.g. "-ksp_view -snes_monitor"
+  double ghost_penalty = 1e-3;  ///< in units of E; 0 switches it off
+  std::string petsc;            ///< PETSc options, e.g. "-ksp_view -snes_monitor"
 };
 
 /// Which load and which displacement make the nominal curve.

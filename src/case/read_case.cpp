@@ -1,5 +1,6 @@
 #include "case/read_case.hpp"
 
+#include "base/error.hpp"
 #include "case/load.hpp"
 #include "case/tables.hpp"
 
@@ -9,6 +10,9 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   Problems problems;
   Node root = load_case(path, overrides, problems);
   problems.throw_if_any(path);  // without a tree every key would be missing
+
+  if (root.find("variant"))
+    throw InputError(path + ": this is a sweep file, not a case: run it with berm sweep " + path);
 
   Case c;
   c.file = path;

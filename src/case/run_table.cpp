@@ -31,7 +31,7 @@ Table<Control> control_table() {
   Table<Control> t("What grows linearly in time from 0 to 1.");
   t.choice(
       "kind", &Control::kind, std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
-      "time: displacements and loads; gauge: the change of a gauge, while all loads are scaled by an unknown factor");
+      "time: displacements and loads; gauge: the change of a gauge, while all pressures are scaled by an unknown factor");
   t.string("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
       .required()
       .only(by_gauge, "with kind = \"gauge\"");

@@ -166,6 +166,8 @@ void NewtonSolver::set_matrix(CsrMatrix& matrix, bool symmetric) {
 }
 
 bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<double>& x) {
+  x.clear();
+  if (rhs.empty()) return true;  // every displacement is prescribed
   Impl& m = *impl_;
   m.touch();
   KSP ksp;

@@ -127,10 +127,13 @@ SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointS
 
 SeededPoints seed_from_mesh(const Mesh& mesh, int per_element) {
   SeededPoints out;
+  const int n = static_cast<int>(std::lround(std::sqrt(per_element)));
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const std::vector<Vec2> cell = corners(mesh, c);
+    if (cell.size() == 4 && n * n != per_element)
+      throw InputError(fmt::format("a quad takes 1, 4, 9 or 16 points, not {}", per_element));
     if (cell.size() == 4)
-      seed_gauss_quad(cell, static_cast<int>(std::lround(std::sqrt(per_element))), out);
+      seed_gauss_quad(cell, n, out);
     else
       seed_gauss_triangle(cell, per_element, out);
   }

@@ -24,11 +24,11 @@ SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointS
 /// Gauss points of a mesh of triangles (1, 3, 6, 12 points) or quads (1, 4, 9, 16 points).
 SeededPoints seed_from_mesh(const Mesh& mesh, int per_element);
 
-/// Makes points that ignore the grid integrate constants and linear functions over body and cell exactly (a variationally
-/// consistent integration in the sense of Chen, Hillman and Rueter 2013, formulation (23), (24)): in every cell
-/// the areas are scaled to the area of the body in it; `shift` moves the place where a point sees the shape functions so
-/// that the mean place is the centroid of the body in the cell; a cell that the body touches but no point lies in gets
-/// one at that centroid.
+/// Makes points that ignore the grid integrate constants and linear functions over body and cell exactly (a
+/// variationally consistent integration in the sense of Chen, Hillman and Rueter 2013, formulation (23), (24)): in
+/// every cell the areas are scaled to the area of the body in it; `shift` moves the place where a point sees the shape
+/// functions so that the mean place is the centroid of the body in the cell; a cell that the body touches but no point
+/// lies in gets one at that centroid.
 void fit_to_cells(SeededPoints& points, const Region& region, const Grid& grid);
 
 }  // namespace berm

@@ -109,7 +109,7 @@ double QuasiStaticStep::gauge_value() const {
 
 /// r = internal + stabilisation + contact and pins - load factor * pressure - weight.   [formulation (1), (14)]
 bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>& r, bool tangent) {
-  if (!tangent && x == cached_x_) {
+  if (!tangent && !x.empty() && x == cached_x_) {
     r = cached_r_;
     return true;
   }

@@ -59,7 +59,9 @@ Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::f
   const double h = world.discretisation->cell_size();
   const PointBins bins(reference_, 1.5 * h);
   for (const Probe& p : world.spec.output.probes)
-    probes_.push_back({p, bins.fit(p.at, 1.5 * h, world.discretisation->material.volume)});
+    // A quadratic fit keeps peaks; damage is too rough for one.
+    probes_.push_back(
+        {p, bins.fit(p.at, 1.5 * h, world.discretisation->material.volume, p.quantity == Quantity::damage ? 1 : 2)});
   history_ = std::make_unique<HistoryWriter>((folder / "history.csv").string(), columns());
   write_row({}, world.spec.solver.integration);
   write_frame(take_frame());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <csignal>
 
 #include "base/error.hpp"
 #include "io/log.hpp"
@@ -11,6 +12,20 @@
 
 namespace berm {
 namespace {
+
+/// Set by Ctrl-C and SIGTERM: the run ends after the step, with everything written.
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+/// Files of an earlier run in the same folder would mix with those of this one.
+void remove_old_results(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool frame = name.ends_with(".vtu") && (name.starts_with("points_") || name.starts_with("mesh_"));
+    if (frame || name == "summary.json" || name == "history.csv" || name.ends_with(".pvd"))
+      std::filesystem::remove(entry.path());
+  }
+}
 
 class Run {
 public:
@@ -30,9 +45,12 @@ public:
 
   void go() {
     try {
-      while (!control_.finished(world_->time)) advance();
-    } catch (const RunError& error) {
-      recorder_.finish("failed", error.what(), seconds());
+      while (!control_.finished(world_->time)) {
+        if (interrupted) throw RunError(fmt::format("stopped by a signal at time {:.6g}", world_->time));
+        advance();
+      }
+    } catch (const std::exception& error) {
+      recorder_.finish(interrupted ? "stopped" : "failed", error.what(), seconds());
       throw;
     }
     recorder_.finish("done", "", seconds());
@@ -104,10 +122,24 @@ private:
 
   void report_end() {
     for (const auto& [name, value] : recorder_.metrics()) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
+    warn_about_metrics();
     const StepTimes t = step_.times();
     log_.info(
         fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
                     recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
+  }
+
+  void warn_about_metrics() {
+    constexpr double balanced = 0.05;
+    for (const auto& [name, value] : recorder_.metrics()) {
+      if (name == "energy_error [-]" && value > balanced)
+        log_.warning(
+            fmt::format("the energy balance is off by {:.2g} % of the external work: take smaller steps; if points "
+                        "cross cells of the grid, formulation = \"total_lagrangian\" may help",
+                        100.0 * value));
+      if (name == "peak_load [N]" && value <= 0.0)
+        log_.warning("the nominal load never becomes positive: check output.nominal.direction");
+    }
   }
 
   /// Length of an IMPL-EX bridge over a snap-back, in steps, before implicit steps are tried again.
@@ -132,7 +164,10 @@ void run_case(Case spec, const RunOptions& options) {
   std::filesystem::create_directories(options.folder, error);
   if (error)
     throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
+  remove_old_results(options.folder);
   Run run(std::move(spec), options);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
   run.go();
 }
 

@@ -77,13 +77,13 @@ BodySurface surface_of_mesh(int body, const Mesh& mesh, double spacing) {
     const int a = mesh.cell(e.cell)[e.local], b = mesh.cell(e.cell)[(e.local + 1) % n];
     const Vec2 p = mesh.nodes[a], t = mesh.nodes[b] - p;
     const int pieces = std::max(2, static_cast<int>(std::ceil(t.norm() / spacing)));
-    std::string group;
+    std::vector<std::string> common;
     for (const std::string& name : groups[a])
-      if (std::find(groups[b].begin(), groups[b].end(), name) != groups[b].end()) group = name;
+      if (std::find(groups[b].begin(), groups[b].end(), name) != groups[b].end()) common.push_back(name);
     for (int k = 0; k < pieces; ++k) {
       surface.points.push_back(
           surface_point(body, p + t * ((k + 0.5) / pieces), Vec2(t.y(), -t.x()).normalized(), t.norm() / pieces));
-      surface.points.back().group = group;
+      surface.points.back().groups = common;
     }
   }
   return surface;
@@ -192,6 +192,30 @@ void collect_warnings(World& w) {
   }
 }
 
+/// Boundaries, pins, gauges and probes that would do nothing, or hang in the air.
+void check_places(const World& w) {
+  const Discretisation& d = *w.discretisation;
+  if (const std::string name = w.boundary->idle_boundary(d); !name.empty())
+    throw InputError(
+        fmt::format("[boundary.{}] catches only nodes of the background grid that no body touches: check its "
+                    "where",
+                    name));
+  const std::vector<Vec2> points = d.point_positions();
+  const double reach = 1.5 * d.cell_size();
+  auto check = [&](const char* kind, const std::string& name, const Vec2& x) {
+    for (const Vec2& p : points)
+      if ((p - x).norm() <= reach) return;
+    throw InputError(fmt::format("[{}.{}]: the point ({:.6g}, {:.6g}) lies outside of every deformable body", kind,
+                                 name, x.x(), x.y()));
+  };
+  for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
+  for (const Gauge& g : w.spec.output.gauges) {
+    check("gauge", g.name, g.from);
+    check("gauge", g.name, g.to);
+  }
+  for (const Probe& p : w.spec.output.probes) check("probe", p.name, p.at);
+}
+
 }  // namespace
 
 std::unique_ptr<World> build_world(Case spec) {
@@ -206,13 +230,14 @@ std::unique_ptr<World> build_world(Case spec) {
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.youngs_modulus; }, m.law));
   w->elastic_scale = youngs * w->discretisation->cell_size() * w->spec.thickness;
   collect_warnings(*w);
+  w->discretisation->begin_step(w->boundary->anchors());
+  w->boundary->begin_step(*w->discretisation);
+  check_places(*w);
   return w;
 }
 
-std::string describe(World& w) {
-  Discretisation& d = *w.discretisation;
-  d.begin_step(w.boundary->anchors());
-  w.boundary->begin_step(d);
+std::string describe(const World& w) {
+  const Discretisation& d = *w.discretisation;
   std::string text;
   auto line = [&](const std::string& s) { text += s + "\n"; };
   line(fmt::format("{}", w.spec.title));

@@ -33,6 +33,6 @@ struct World {
 std::unique_ptr<World> build_world(Case spec);
 
 /// What `berm check` prints: bodies, masses, points per cell, dofs, memory, warnings.
-std::string describe(World& world);
+std::string describe(const World& world);
 
 }  // namespace berm

@@ -316,8 +316,11 @@ void MpmDiscretisation::commit(const NodalVector& du, std::vector<Anchor*>& anch
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     for (int p : points_in(static_cast<int>(a))) {
+      // A point with a fitted quadrature sees the functions of a shifted place, but moves with its own.
+      const Vec2 back = cell_[p] == home_[p] ? shift_[p] : Vec2::Zero();
       Vec2 step = Vec2::Zero();
-      for (std::size_t k = 0; k < list.size(); ++k) step += shape_[p].N[k] * du[list[k]];
+      for (std::size_t k = 0; k < list.size(); ++k)
+        step += (shape_[p].N[k] - shape_[p].grad[k].dot(back)) * du[list[k]];
       u_[p] += step;
       if (!move) continue;
       x_[p] += step;
