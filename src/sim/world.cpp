@@ -193,13 +193,11 @@ void collect_warnings(World& w) {
 }
 
 /// Boundaries, pins, gauges and probes that would do nothing, or hang in the air.
-void check_places(const World& w) {
+void check_places(World& w) {
   const Discretisation& d = *w.discretisation;
+  // No error: a body may move there later.
   if (const std::string name = w.boundary->idle_boundary(d); !name.empty())
-    throw InputError(
-        fmt::format("[boundary.{}] catches only nodes of the background grid that no body touches: check its "
-                    "where",
-                    name));
+    w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   const std::vector<Vec2> points = d.point_positions();
   const double reach = 1.5 * d.cell_size();
   auto check = [&](const char* kind, const std::string& name, const Vec2& x) {

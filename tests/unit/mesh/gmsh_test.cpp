@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <numeric>
 
 #include "base/error.hpp"
@@ -207,6 +208,22 @@ TEST(ReadMsh, WhatGmshItselfWrites) {
   std::filesystem::remove(path);
 }
 
+TEST(MeshShape, StructuredDiscIsSymmetricAndFillsTheDisc) {
+  for (int order : {1, 2}) {
+    const Mesh mesh = mesh_shape(disc(0.3, -0.2, 0.075), options(BodyMeshKind::quads, 0.005, order, true));
+    EXPECT_EQ(mesh.n_cells(), 27 * 27);  // round(sqrt(pi) R / h) = 27
+    double area = 0.0;
+    Vec2 moment = Vec2::Zero();
+    for (int c = 0; c < mesh.n_cells(); ++c) {
+      EXPECT_GT(cell_area(mesh, c), 0.0);
+      area += cell_area(mesh, c);
+    }
+    for (const Vec2& x : mesh.nodes) moment += x - Vec2(0.3, -0.2);
+    EXPECT_NEAR(area / (std::numbers::pi * 0.075 * 0.075), 1.0, 0.003);
+    EXPECT_NEAR(moment.norm(), 0.0, 1e-12);
+  }
+}
+
 TEST(MeshShape, StructuredBox) {
   const Mesh quads = mesh_shape(box(0, -1, 2, 0), options(BodyMeshKind::quads, 0.26, 1, true));
   EXPECT_EQ(quads.n_cells(), 8 * 4);
@@ -239,7 +256,8 @@ TEST(MeshShape, StructuredSlits) {
   for (const Edge& e : boundary_edges(mesh))
     length += (mesh.nodes[mesh.cell(e.cell)[e.local]] - mesh.nodes[mesh.cell(e.cell)[(e.local + 1) % 4]]).norm();
   EXPECT_NEAR(length, 0.9 + 8 * 0.02, 1e-13);
-  EXPECT_THROW(mesh_shape(disc(0, 0, 1), options(BodyMeshKind::quads, 0.1, 1, true)), InputError);
+  const Shape triangle{Polygon{{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}}};
+  EXPECT_THROW(mesh_shape(triangle, options(BodyMeshKind::quads, 0.1, 1, true)), InputError);
 }
 
 TEST(MeshShape, DiscOfQuads) {
