@@ -20,7 +20,7 @@ Written by `tests/verify/table.py` from a run of `tests/verify/*.cpp`; nothing h
 *reached* must agree with *should be* within *demanded*, or the test fails. Rows that say "reported" show a property of the method rather than of the program.
 
 ```sh
-tests/verify/table.py build/release/tests/test_verify
+tests/verify/table.py build/test/tests/test_verify
 ```
 """
 
