@@ -96,7 +96,7 @@ int run(const std::vector<std::string>& words) {
   if (sizes.empty()) sizes = {10000, 40000, 160000};
   if (steps < 1) throw std::runtime_error("--steps must be at least 1");
 
-  const berm::PetscSession petsc;
+  berm::start_petsc();
   std::vector<Row> rows;
   fmt::print("milliseconds a step, mean of {} steps\n", steps);
   fmt::print("{:<12}{:>8}{:>9}{:>8}{:>14}{:>8}{:>10}{:>10}{:>9}{:>9}{:>26}\n", "integration", "dofs", "points",

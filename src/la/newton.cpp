@@ -49,7 +49,7 @@ private:
 
 }  // namespace
 
-PetscSession::PetscSession(const std::string& options) {
+void start_petsc(const std::string& options) {
   // Threads inside the small dense blocks of a sparse factorisation cost more than they bring (2D, up to 1e5 unknowns).
   if (!std::getenv("OPENBLAS_NUM_THREADS"))
     if (auto* set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
@@ -57,12 +57,16 @@ PetscSession::PetscSession(const std::string& options) {
   // A single process needs no mpiexec; Open MPI asks for these two before it runs as root (containers, CI).
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-  check(PetscInitializeNoArguments(), "start");
-  PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+  PetscBool running = PETSC_FALSE;
+  PetscInitialized(&running);
+  if (!running) {
+    check(PetscInitializeNoArguments(), "start");
+    PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+    // MPI cannot be started twice in a process: it ends with the process, not with the run.
+    std::atexit([] { PetscFinalize(); });
+  }
   if (!options.empty()) check(PetscOptionsInsertString(nullptr, options.c_str()), "reading its options");
 }
-
-PetscSession::~PetscSession() { PetscFinalize(); }
 
 struct NewtonSolver::Impl {
   int max_iterations = 25;

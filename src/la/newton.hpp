@@ -10,15 +10,9 @@
 
 namespace berm {
 
-/// Starts PETSc (and MPI) once; the destructor ends them.
-class PetscSession {
-public:
-  /// options: as on a PETSc command line, e.g. "-ksp_view".
-  explicit PetscSession(const std::string& options = "");
-  ~PetscSession();
-  PetscSession(const PetscSession&) = delete;
-  PetscSession& operator=(const PetscSession&) = delete;
-};
+/// Starts PETSc (and MPI) unless they run already; they end with the process.
+/// options: as on a PETSc command line, e.g. "-ksp_view". Throws RunError.
+void start_petsc(const std::string& options = "");
 
 struct NewtonResult {
   bool converged = false;

@@ -32,7 +32,6 @@ public:
   Run(Case spec, const RunOptions& options)
       : start_(std::chrono::steady_clock::now()),
         log_({(options.folder / "log.txt").string(), options.quiet, stdout, {}}),
-        petsc_(spec.solver.petsc),
         world_(build_world(std::move(spec))),
         step_(*world_),
         recorder_(*world_, step_, options.folder),
@@ -147,7 +146,6 @@ private:
 
   std::chrono::steady_clock::time_point start_;
   Log log_;
-  PetscSession petsc_;
   std::unique_ptr<World> world_;
   QuasiStaticStep step_;
   Recorder recorder_;
@@ -165,6 +163,7 @@ void run_case(Case spec, const RunOptions& options) {
   if (error)
     throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
   remove_old_results(options.folder);
+  start_petsc(spec.solver.petsc);
   Run run(std::move(spec), options);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);

@@ -180,6 +180,9 @@ void build_fem(World& w) {
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
   w.warnings = w.spec.warnings;
+  // No error: a body may move there later.
+  if (const std::string name = w.boundary->idle_boundary(*w.discretisation); !name.empty())
+    w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   const MaterialState& m = w.discretisation->material;
   for (const Slice& slice : m.slices) {
     const double longest = *std::max_element(m.length.begin() + slice.begin, m.length.begin() + slice.end);
@@ -192,12 +195,9 @@ void collect_warnings(World& w) {
   }
 }
 
-/// Boundaries, pins, gauges and probes that would do nothing, or hang in the air.
-void check_places(World& w) {
+/// Pins, gauges and probes must lie in a deformable body.
+void check_places(const World& w) {
   const Discretisation& d = *w.discretisation;
-  // No error: a body may move there later.
-  if (const std::string name = w.boundary->idle_boundary(d); !name.empty())
-    w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   const std::vector<Vec2> points = d.point_positions();
   const double reach = 1.5 * d.cell_size();
   auto check = [&](const char* kind, const std::string& name, const Vec2& x) {
@@ -227,10 +227,10 @@ std::unique_ptr<World> build_world(Case spec) {
   for (const Material& m : w->spec.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.youngs_modulus; }, m.law));
   w->elastic_scale = youngs * w->discretisation->cell_size() * w->spec.thickness;
-  collect_warnings(*w);
+  check_places(*w);
   w->discretisation->begin_step(w->boundary->anchors());
   w->boundary->begin_step(*w->discretisation);
-  check_places(*w);
+  collect_warnings(*w);
   return w;
 }
 

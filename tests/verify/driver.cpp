@@ -72,6 +72,6 @@ struct Cleaner : ::testing::Environment {
 int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   ::testing::AddGlobalTestEnvironment(new Cleaner);
-  const berm::PetscSession petsc;
+  berm::start_petsc();
   return RUN_ALL_TESTS();
 }

@@ -84,7 +84,9 @@ TEST(SeedFromMesh, EveryRuleKeepsTheArea) {
     EXPECT_EQ(points.x.size(), 24u * n);
     EXPECT_NEAR(sum(points.area), 0.06, 1e-14);
   }
+  EXPECT_THROW(seed_from_mesh(mesh_shape(shape, options), 6), InputError);
   options.kind = BodyMeshKind::triangles;
+  EXPECT_THROW(seed_from_mesh(mesh_shape(shape, options), 4), InputError);
   for (int n : {1, 3, 6, 12}) {
     const SeededPoints points = seed_from_mesh(mesh_shape(shape, options), n);
     EXPECT_EQ(points.x.size(), 48u * n);
