@@ -100,6 +100,15 @@ BodySurface surface_of_shape(int body, const Region& region, double spacing) {
 /// Surface points stand this many to a cell: enough for the ends of a loaded arc to count.
 constexpr double surface_points_per_cell = 10.0;
 
+/// Name and kind; the area too if the body is rigid, since nothing else will tell.
+BodySummary summary_of(const Body& body) {
+  BodySummary summary;
+  summary.name = body.name;
+  summary.rigid = body.rigid;
+  if (body.rigid) summary.area = Region(*body.shape).area();
+  return summary;
+}
+
 void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid;
@@ -116,11 +125,8 @@ void build_mpm(World& w) {
   std::vector<BodySurface> surfaces;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
-    BodySummary summary;
-    summary.name = body.name;
-    summary.rigid = body.rigid;
+    BodySummary summary = summary_of(body);
     if (body.rigid) {
-      summary.area = Region(*body.shape).area();
       w.bodies.push_back(summary);
       continue;
     }
@@ -154,11 +160,8 @@ void build_fem(World& w) {
   std::vector<BodySurface> surfaces;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
-    BodySummary summary;
-    summary.name = body.name;
-    summary.rigid = body.rigid;
+    BodySummary summary = summary_of(body);
     if (body.rigid) {
-      summary.area = Region(*body.shape).area();
       w.bodies.push_back(summary);
       continue;
     }
