@@ -4,11 +4,11 @@
 #include <petscsnes.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <span>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 
 namespace berm {
 namespace {
@@ -36,16 +36,6 @@ void copy(const std::vector<double>& from, Vec to) {
   std::copy(from.begin(), from.end(), data);
   VecRestoreArray(to, &data);
 }
-
-class Timer {
-public:
-  explicit Timer(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~Timer() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-private:
-  double& sum_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 }  // namespace
 
@@ -99,7 +89,7 @@ struct NewtonSolver::Impl {
   static PetscErrorCode evaluate(SNES snes, Vec x, Vec r, void* context) {
     auto& self = *static_cast<Impl*>(context);
     try {
-      const Timer timer(self.callback_seconds);
+      const Stopwatch watch(self.callback_seconds);
       const auto data = view(x);
       self.x_buffer.assign(data.begin(), data.end());
       if ((*self.residual)(self.x_buffer, self.r_buffer))
@@ -116,7 +106,7 @@ struct NewtonSolver::Impl {
   static PetscErrorCode differentiate(SNES, Vec x, Mat, Mat, void* context) {
     auto& self = *static_cast<Impl*>(context);
     try {
-      const Timer timer(self.callback_seconds);
+      const Stopwatch watch(self.callback_seconds);
       const auto data = view(x);
       self.x_buffer.assign(data.begin(), data.end());
       (*self.jacobian)(self.x_buffer);
@@ -178,7 +168,7 @@ bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<doub
   SNESGetKSP(m.snes, &ksp);
   KSPSetOperators(ksp, m.mat, m.mat);
   copy(rhs, m.rhs);
-  const Timer timer(m.linear_seconds);
+  const Stopwatch watch(m.linear_seconds);
   if (KSPSolve(ksp, m.rhs, m.x) != 0) return false;
   KSPConvergedReason reason;
   KSPGetConvergedReason(ksp, &reason);
@@ -204,7 +194,7 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool 
   double total = 0.0;
   PetscErrorCode code;
   {
-    const Timer timer(total);
+    const Stopwatch watch(total);
     code = SNESSolve(m.snes, nullptr, m.x);
   }
   m.linear_seconds += total - m.callback_seconds;

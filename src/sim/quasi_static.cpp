@@ -1,21 +1,12 @@
 #include "sim/quasi_static.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+
+#include "base/stopwatch.hpp"
 
 namespace berm {
 namespace {
-
-class Stopwatch {
-public:
-  explicit Stopwatch(double& sum) : sum_(sum), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { sum_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-private:
-  double& sum_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 double norm(const NodalVector& f) {
   double sum = 0.0;

@@ -120,17 +120,18 @@ private:
   }
 
   void report_end() {
-    for (const auto& [name, value] : recorder_.metrics()) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
-    warn_about_metrics();
+    const auto metrics = recorder_.metrics();
+    for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
+    warn_about(metrics);
     const StepTimes t = step_.times();
     log_.info(
         fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
                     recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
   }
 
-  void warn_about_metrics() {
+  void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
     constexpr double balanced = 0.05;
-    for (const auto& [name, value] : recorder_.metrics()) {
+    for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
         log_.warning(
             fmt::format("the energy balance is off by {:.2g} % of the external work: take smaller steps; if points "
