@@ -7,8 +7,13 @@ namespace berm {
 
 using Vec2 = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
+/// Places and displacements of plane and of solid models alike: z = 0 in the plane.
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
+
+/// The plane in space, and back.
+inline Vec3 in_space(const Vec2& x) { return {x.x(), x.y(), 0.0}; }
+inline Vec2 in_plane(const Vec3& x) { return x.head<2>(); }
 
 /// Symmetric second-order tensor in Voigt order xx, yy, zz, xy, yz, zx.
 /// Strains carry engineering shear (gamma = 2 eps), stresses do not.

@@ -12,7 +12,7 @@
 #include "law/point_response.hpp"
 #include "mesh/gmsh.hpp"
 #include "mesh/grid.hpp"
-#include "mesh/region.hpp"
+#include "mesh/plane_region.hpp"
 
 namespace berm {
 
@@ -50,7 +50,7 @@ struct Body {
   std::string name;
   bool rigid = false;
   std::string material;        ///< empty for rigid bodies
-  std::optional<Shape> shape;  ///< one of shape and mesh_file
+  std::optional<PlaneShape> shape;  ///< one of shape and mesh_file
   std::string mesh_file,
       mesh_group;        ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
   PointSeeding points;   ///< mpm

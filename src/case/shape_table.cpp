@@ -15,10 +15,10 @@ struct ShapeInput {
   std::optional<Box> box;
   std::optional<Disc> disc;
   std::vector<Vec2> polygon;
-  std::vector<Shape> join, difference;
+  std::vector<PlaneShape> join, difference;
 };
 
-std::optional<Shape> shape_of(Scope& scope);
+std::optional<PlaneShape> shape_of(Scope& scope);
 
 Table<Box> box_table() {
   Table<Box> t("Rectangle along the axes.");
@@ -57,7 +57,7 @@ void read_polygon(Scope& scope, Node::Entry& entry, ShapeInput& input) {
   input.polygon = *points;
 }
 
-void read_parts(const Scope& scope, Node::Entry& entry, std::vector<Shape>& parts) {
+void read_parts(const Scope& scope, Node::Entry& entry, std::vector<PlaneShape>& parts) {
   Node::Array* items = entry.value.array();
   if (!items || items->size() < 2) {
     scope.error(entry.key, "must be an array of at least two shapes");
@@ -104,16 +104,16 @@ const Table<ShapeInput>& shape_table() {
   return table;
 }
 
-std::optional<Shape> shape_of(Scope& scope) {
+std::optional<PlaneShape> shape_of(Scope& scope) {
   const std::size_t errors_before = scope.problems.count();
   ShapeInput in;
   shape_table().read(scope, in);
   if (scope.problems.count() != errors_before) return std::nullopt;
-  if (in.box) return Shape{*in.box};
-  if (in.disc) return Shape{*in.disc};
-  if (!in.polygon.empty()) return Shape{Polygon{in.polygon}};
-  if (!in.join.empty()) return Shape{Combination{Combination::Kind::join, in.join}};
-  return Shape{Combination{Combination::Kind::difference, in.difference}};
+  if (in.box) return PlaneShape{*in.box};
+  if (in.disc) return PlaneShape{*in.disc};
+  if (!in.polygon.empty()) return PlaneShape{Polygon{in.polygon}};
+  if (!in.join.empty()) return PlaneShape{Combination{Combination::Kind::join, in.join}};
+  return PlaneShape{Combination{Combination::Kind::difference, in.difference}};
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ void read_shape(Scope& scope, Node::Entry& entry, Body& body) {
   if (child) body.shape = shape_of(*child);
 }
 
-double largest_coordinate(const Shape& shape) {
+double largest_coordinate(const PlaneShape& shape) {
   const auto of = [](const auto& form) {
     using Form = std::decay_t<decltype(form)>;
     double largest = 0.0;
@@ -144,7 +144,7 @@ double largest_coordinate(const Shape& shape) {
     } else if constexpr (std::is_same_v<Form, Polygon>) {
       for (const Vec2& vertex : form.vertices) largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
     } else {
-      for (const Shape& part : form.parts) largest = std::max(largest, largest_coordinate(part));
+      for (const PlaneShape& part : form.parts) largest = std::max(largest, largest_coordinate(part));
     }
     return largest;
   };

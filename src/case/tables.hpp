@@ -11,7 +11,7 @@ KeyInfo shape_info();
 Node shape_schema();
 void read_shape(Scope& scope, Node::Entry& entry, Body& body);
 /// How far the shape reaches from the origin along an axis [m].
-double largest_coordinate(const Shape& shape);
+double largest_coordinate(const PlaneShape& shape);
 
 // material_table.cpp
 std::vector<KeyInfo> material_keys();

@@ -14,11 +14,11 @@ namespace berm {
 
 namespace {
 
-void collect_lines(const Shape& shape, std::array<std::vector<double>, 2>& lines) {
+void collect_lines(const PlaneShape& shape, std::array<std::vector<double>, 2>& lines) {
   if (const Box* box = std::get_if<Box>(&shape.form)) {
     for (int d = 0; d < 2; ++d) lines[d].insert(lines[d].end(), {box->min[d], box->max[d]});
   } else {
-    for (const Shape& part : std::get<Combination>(shape.form).parts) collect_lines(part, lines);
+    for (const PlaneShape& part : std::get<Combination>(shape.form).parts) collect_lines(part, lines);
   }
 }
 
@@ -49,7 +49,7 @@ public:
     int& number = number_[j * x_.size() + i];
     if (number < 0) {
       number = mesh_.n_nodes();
-      mesh_.nodes.emplace_back(x_[i], y_[j]);
+      mesh_.nodes.emplace_back(x_[i], y_[j], 0.0);
     }
     return number;
   }
@@ -93,7 +93,7 @@ void add_cell(Mesh& mesh, BodyMeshKind kind, const std::array<int, 4>& q, bool r
 
 }  // namespace
 
-bool has_structured_mesh(const Shape& shape) {
+bool has_structured_mesh(const PlaneShape& shape) {
   return std::holds_alternative<Disc>(shape.form) || only_boxes(shape);
 }
 
@@ -104,8 +104,8 @@ Mesh mesh_disc(const Disc& disc, const BodyMeshOptions& options) {
   for (int j = 0; j <= n; ++j)
     for (int i = 0; i <= n; ++i) {
       const double u = 2.0 * i / n - 1.0, v = 2.0 * j / n - 1.0;
-      mesh.nodes.push_back(disc.centre + disc.radius * Vec2(u * std::sqrt(1.0 - 0.5 * v * v),
-                                                            v * std::sqrt(1.0 - 0.5 * u * u)));
+      const Vec2 at(u * std::sqrt(1.0 - 0.5 * v * v), v * std::sqrt(1.0 - 0.5 * u * u));
+      mesh.nodes.push_back(in_space(disc.centre + disc.radius * at));
     }
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
@@ -115,14 +115,14 @@ Mesh mesh_disc(const Disc& disc, const BodyMeshOptions& options) {
   return options.order == 2 ? with_mid_sides(mesh) : mesh;
 }
 
-bool only_boxes(const Shape& shape) {
+bool only_boxes(const PlaneShape& shape) {
   if (std::holds_alternative<Box>(shape.form)) return true;
   const Combination* combination = std::get_if<Combination>(&shape.form);
   return combination && std::all_of(combination->parts.begin(), combination->parts.end(), only_boxes);
 }
 
-Mesh mesh_boxes(const Shape& shape, const BodyMeshOptions& options) {
-  const Region region(shape);
+Mesh mesh_boxes(const PlaneShape& shape, const BodyMeshOptions& options) {
+  const PlaneRegion region(shape);
   std::array<std::vector<double>, 2> breaks;
   collect_lines(shape, breaks);
   const Vec2 low = region.min(), high = region.max();

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "mesh/mesh.hpp"
-#include "mesh/region.hpp"
+#include "mesh/plane_region.hpp"
 
 namespace berm {
 
@@ -24,6 +24,6 @@ struct BodyMeshOptions {
 
 /// Meshes a shape (box alone: structured on request; everything else: Gmsh's frontal algorithms, quads by full-quad
 /// recombination).
-Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options);
+Mesh mesh_shape(const PlaneShape& shape, const BodyMeshOptions& options);
 
 }  // namespace berm

@@ -141,7 +141,7 @@ Mesh best_quads(const ShapeRings& shape, const BodyMeshOptions& options, double 
 
 }  // namespace
 
-Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options) {
+Mesh mesh_shape(const PlaneShape& shape, const BodyMeshOptions& options) {
   if (!(options.size > 0.0)) throw InputError(fmt::format("mesh: size {:g} m (it must be positive)", options.size));
   if (options.order != 1 && options.order != 2)
     throw InputError(fmt::format("mesh: order {} (1 and 2 are possible)", options.order));

@@ -18,8 +18,6 @@ namespace {
 
 constexpr double least_corner_sine = 1e-6;  ///< cells with a sharper or inverted corner are degenerate
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 /// Gmsh's life; restarted after an error, since an exception leaves its locks closed.
 struct Session {
   Session() { start(); }
@@ -105,8 +103,7 @@ private:
       if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2]))
         fail(fmt::format("node {} has a coordinate that is not a number", tags_[i]));
       if (number_.emplace(tags_[i], mesh_.n_nodes()).second) {
-        mesh_.nodes.emplace_back(x[0], x[1]);
-        height_.push_back(x[2]);
+        mesh_.nodes.emplace_back(x[0], x[1], x[2]);
       }
     }
   }
@@ -146,38 +143,42 @@ private:
   void drop_unused_nodes() {
     std::vector<int> renumbered(mesh_.nodes.size(), -1);
     for (int n : mesh_.connectivity) renumbered[n] = 0;
-    std::vector<Vec2> kept;
-    Vec2 low = mesh_.nodes[mesh_.connectivity[0]], high = low;
-    double lowest = 0.0, highest = 0.0;
+    std::vector<Vec3> kept;
+    Vec3 low = mesh_.nodes[mesh_.connectivity[0]], high = low;
     for (int n = 0; n < mesh_.n_nodes(); ++n) {
       if (renumbered[n] < 0) continue;
       renumbered[n] = static_cast<int>(kept.size());
       kept.push_back(mesh_.nodes[n]);
       low = low.cwiseMin(mesh_.nodes[n]);
       high = high.cwiseMax(mesh_.nodes[n]);
-      lowest = std::min(lowest, height_[n]);
-      highest = std::max(highest, height_[n]);
     }
-    const double height = std::max(highest, -lowest);
-    if (height > 1e-9 * (high - low).maxCoeff())
-      fail(fmt::format("the mesh does not lie in the plane z = 0 (a node has z = {:g})",
-                       highest > -lowest ? highest : lowest));
+    if (mesh_.dimension() == 2) flatten(kept, (high - low).maxCoeff());
     for (int& n : mesh_.connectivity) n = renumbered[n];
     for (auto& [tag, n] : number_) n = renumbered[n];
     mesh_.nodes = std::move(kept);
   }
 
+  /// Plane meshes lie in the plane z = 0.
+  void flatten(std::vector<Vec3>& nodes, double size) const {
+    for (Vec3& x : nodes) {
+      if (std::abs(x.z()) > 1e-9 * size)
+        fail(fmt::format("the mesh does not lie in the plane z = 0 (a node has z = {:g})", x.z()));
+      x.z() = 0.0;
+    }
+  }
+
   void orient() {
     for (int c = 0; c < mesh_.n_cells(); ++c) {
-      if (cell_area(mesh_, c) < 0.0) {
+      if (cell_measure(mesh_, c) < 0.0) {
         const auto begin = mesh_.connectivity.begin() + mesh_.offsets[c];
         std::vector<int> nodes(begin, begin + nodes_of(mesh_.kinds[c]));
         reverse(nodes, corners_of(mesh_.kinds[c]));
         std::copy(nodes.begin(), nodes.end(), begin);
       }
       if (!(smallest_corner_sine(mesh_, c) > least_corner_sine)) {
-        const Vec2& x = mesh_.nodes[mesh_.cell(c)[0]];
-        fail(fmt::format("degenerate cell at ({:g}, {:g}): it is flat, crossed or not convex", x.x(), x.y()));
+        const Vec3& x = mesh_.nodes[mesh_.cell(c)[0]];
+        fail(fmt::format("degenerate cell at ({:g}, {:g}{}): it is flat, crossed or not convex", x.x(), x.y(),
+                         mesh_.dimension() == 3 ? fmt::format(", {:g}", x.z()) : ""));
       }
     }
   }
@@ -232,7 +233,6 @@ private:
 
   const std::string& subject_;
   Mesh mesh_;
-  std::vector<double> height_;  ///< z of the nodes [m]
   std::vector<std::size_t> tags_, order_;
   std::unordered_map<std::size_t, int> number_;  ///< by Gmsh tag; -1: dropped
   std::unordered_map<std::vector<int>, int, KeyHash> known_;
@@ -270,15 +270,15 @@ double smallest_corner_sine(const Mesh& mesh, int c) {
   const int* nodes = mesh.cell(c);
   // Direction in which the side from corner `a` to corner `b` leaves a; `side` counts from the smaller corner on.
   const auto leaving = [&](int a, int b, int side) {
-    const Vec2 &from = mesh.nodes[nodes[a]], &to = mesh.nodes[nodes[b]];
-    return curved ? Vec2(4.0 * mesh.nodes[nodes[corners + side]] - 3.0 * from - to) : Vec2(to - from);
+    const Vec3 &from = mesh.nodes[nodes[a]], &to = mesh.nodes[nodes[b]];
+    return curved ? Vec3(4.0 * mesh.nodes[nodes[corners + side]] - 3.0 * from - to) : Vec3(to - from);
   };
   double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < corners; ++i) {
     const int next = (i + 1) % corners, previous = (i + corners - 1) % corners;
-    const Vec2 ahead = leaving(i, next, i), behind = leaving(i, previous, previous);
+    const Vec3 ahead = leaving(i, next, i), behind = leaving(i, previous, previous);
     const double lengths = ahead.norm() * behind.norm();
-    smallest = std::min(smallest, lengths > 0.0 ? cross(ahead, behind) / lengths : 0.0);
+    smallest = std::min(smallest, lengths > 0.0 ? ahead.cross(behind).z() / lengths : 0.0);
   }
   return smallest;
 }

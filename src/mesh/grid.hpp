@@ -8,14 +8,18 @@
 
 namespace berm {
 
-enum class GridKind { quads, triangles_right, triangles_left, union_jack };
+enum class GridKind { quads, triangles_right, triangles_left, union_jack, hexahedra, tetrahedra };
+
+constexpr int dimension_of(GridKind kind) { return kind >= GridKind::hexahedra ? 3 : 2; }
 
 struct StructuredGrid {
   GridKind kind = GridKind::quads;
-  Vec2 origin = Vec2::Zero();  ///< lower left corner before rotation [m]
-  Vec2 cell_size = Vec2::Zero();
-  int nx = 0, ny = 0;  ///< cells (a triangle grid has two triangles per cell)
-  double angle = 0.0;  ///< counter-clockwise rotation about the point (0, 0) [rad]
+  Vec3 origin = Vec3::Zero();  ///< lower left (front) corner before rotation [m]
+  Vec3 cell_size = Vec3::Zero();
+  /// Cells by direction, nz = 0 in the plane. A triangle grid has two triangles a cell, one of tetrahedra six, around the
+  /// diagonal from the lowest to the highest corner (Kuhn).
+  int nx = 0, ny = 0, nz = 0;
+  double angle = 0.0;  ///< counter-clockwise rotation about the z axis through the point 0 [rad]
 };
 
 /// Finds cells. Structured grids by arithmetic, unstructured ones by a uniform bin table: both O(1) per point.
@@ -23,16 +27,21 @@ class CellLocator {
 public:
   virtual ~CellLocator() = default;
   /// Cell that holds x (hint: where the point was before, or -1), or -1 if x lies outside of the grid.
-  virtual int locate(const Vec2& x, int hint) const = 0;
+  virtual int locate(const Vec3& x, int hint) const = 0;
 };
 
 struct Grid {
-  Mesh mesh;  ///< tri3 and quad4 only
+  Mesh mesh;                    ///< tri3 and quad4, or tet4 and hex8, only
+  std::vector<int> neighbours;  ///< see cell_neighbours
   std::unique_ptr<CellLocator> locator;
+  /// Axis-parallel boxes of equal size: the grid's own description, which clips bodies and finds cells faster.
+  std::unique_ptr<StructuredGrid> boxes;
+
+  int dimension() const { return mesh.dimension(); }
 };
 
 Grid make_structured_grid(const StructuredGrid& spec);
-/// Any conforming mesh of triangles and quads. Throws InputError if a cell is inverted or not linear.
+/// Any conforming mesh of linear cells. Throws InputError if a cell is inverted or not linear.
 Grid make_unstructured_grid(Mesh mesh);
 
 }  // namespace berm

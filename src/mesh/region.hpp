@@ -1,80 +1,60 @@
 #pragma once
-/// Plane shapes of bodies: primitives, their unions and differences, and what is asked of them.
+/// The region that a body fills, in the plane or in space: one face for PlaneRegion and SolidRegion.
 
-#include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
-#include "base/tensor.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/plane_region.hpp"
+#include "mesh/solid_region.hpp"
+#include "mesh/solid_shape.hpp"
 
 namespace berm {
 
-struct Box {
-  Vec2 min, max;
-};
-struct Disc {
-  Vec2 centre;
-  double radius;
-};
-struct Polygon {
-  std::vector<Vec2> vertices;  ///< simple, either orientation
-};
-struct Shape;
-/// First shape united with / minus all the others.
-struct Combination {
-  enum class Kind { join, difference } kind;
-  std::vector<Shape> parts;
-};
-struct Shape {
-  std::variant<Box, Disc, Polygon, Combination> form;
-};
+using Shape = std::variant<PlaneShape, SolidShape>;
 
-/// A piece of a cell inside the body.
+/// The part of a cell inside a body.
 struct Piece {
-  Vec2 centroid;
-  double area;
+  Vec3 centroid = Vec3::Zero();
+  double measure = 0.0;  ///< area [m2] or volume [m3]
 };
 
 /// A piece of the boundary, outward normal.
 struct BoundaryPiece {
-  Vec2 centre, normal;
-  double length;
+  Vec3 centre, normal;
+  double measure;  ///< length [m] or area [m2]
 };
 
-/// The shape as polygons with holes (arcs are cut into `arc_segments` chords a full circle, scaled to keep the area).
 class Region {
 public:
-  /// Throws InputError for an empty or self-intersecting shape.
-  explicit Region(const Shape& shape, int arc_segments = 720);
-  ~Region();
-  Region(Region&&) noexcept;
-  Region& operator=(Region&&) noexcept;
+  /// size: edge length of the triangles that stand for curved surfaces in space [m]. Throws InputError for an empty or
+  /// broken shape.
+  Region(const Shape& shape, double size);
 
-  double area() const;
-  Vec2 min() const;
-  Vec2 max() const;
-  bool contains(const Vec2& x) const;  ///< boundary counts as inside
+  int dimension() const { return plane_ ? 2 : 3; }
+  double measure() const;  ///< area [m2] or volume [m3]
+  Vec3 min() const;
+  Vec3 max() const;
+  bool contains(const Vec3& x) const;  ///< boundary counts as inside
 
-  /// The part of the convex polygon (counter-clockwise) inside the region. Area 0 if none.
-  Piece clip(const std::vector<Vec2>& polygon) const;
-  /// For every polygon: 1 fully inside, 0 fully outside, -1 cut by the boundary. Fast: only the edges near a polygon
-  /// are looked at.
-  std::vector<signed char> classify(const std::vector<std::vector<Vec2>>& polygons) const;
-
-  /// The boundary in pieces no longer than `spacing`; corners are piece ends. True arcs get true normals.
+  /// The part of a linear cell inside the region; measure 0 if none.
+  Piece clip(CellKind kind, const Corners& cell) const;
+  /// The boundary in pieces no longer than `spacing`, with the true normals of curved shapes.
   std::vector<BoundaryPiece> boundary(double spacing) const;
   /// Closest boundary point to x: signed distance (negative inside) and the outward normal there.
   struct Nearest {
-    Vec2 point, normal;
+    Vec3 point, normal;
     double distance;
   };
-  Nearest nearest(const Vec2& x) const;
-  /// Outer rings and holes, for drawing.
-  std::vector<std::vector<Vec2>> rings() const;
+  Nearest nearest(const Vec3& x) const;
+
+  const PlaneRegion* plane() const { return plane_ ? &*plane_ : nullptr; }
+  const SolidRegion* solid() const { return solid_ ? &*solid_ : nullptr; }
 
 private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::optional<PlaneRegion> plane_;
+  std::optional<SolidRegion> solid_;
 };
 
 }  // namespace berm

@@ -112,7 +112,7 @@ Ring to_ring(const BoostRing& source) {
 
 }  // namespace
 
-ShapeRings evaluate_shape(const Shape& shape, int arc_segments) {
+ShapeRings evaluate_shape(const PlaneShape& shape, int arc_segments) {
   if (arc_segments < 8)
     throw InputError(fmt::format("shape: {} chords a circle (at least 8 are needed)", arc_segments));
   ShapeRings out;

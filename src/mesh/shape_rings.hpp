@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mesh/region.hpp"
+#include "mesh/plane_region.hpp"
 
 namespace berm {
 
@@ -22,6 +22,6 @@ struct ShapeRings {
 };
 
 /// Evaluates the shape. Throws InputError if a part or the result is empty, or a polygon touches or crosses itself.
-ShapeRings evaluate_shape(const Shape& shape, int arc_segments);
+ShapeRings evaluate_shape(const PlaneShape& shape, int arc_segments);
 
 }  // namespace berm

@@ -32,7 +32,14 @@ std::vector<std::pair<double, double>> gauss_line(int n) {
 std::vector<QuadraturePoint> gauss_square(int n) {
   std::vector<QuadraturePoint> rule;
   for (const auto& [y, wy] : gauss_line(n))
-    for (const auto& [x, wx] : gauss_line(n)) rule.push_back({Vec2(x, y), wx * wy});
+    for (const auto& [x, wx] : gauss_line(n)) rule.push_back({Vec3(x, y, 0.0), wx * wy});
+  return rule;
+}
+
+std::vector<QuadraturePoint> gauss_cube(int n) {
+  std::vector<QuadraturePoint> rule;
+  for (const auto& [z, wz] : gauss_line(n))
+    for (const QuadraturePoint& q : gauss_square(n)) rule.push_back({q.xi + z * Vec3::UnitZ(), q.weight * wz});
   return rule;
 }
 
@@ -40,13 +47,13 @@ namespace {
 
 void add_orbit3(std::vector<QuadraturePoint>& rule, double a, double weight) {
   const double b = 1.0 - 2.0 * a;
-  for (const Vec2& xi : {Vec2(a, a), Vec2(b, a), Vec2(a, b)}) rule.push_back({xi, 0.5 * weight});
+  for (const Vec2& xi : {Vec2(a, a), Vec2(b, a), Vec2(a, b)}) rule.push_back({in_space(xi), 0.5 * weight});
 }
 
 void add_orbit6(std::vector<QuadraturePoint>& rule, double a, double b, double weight) {
   const double c = 1.0 - a - b;
   for (const Vec2& xi : {Vec2(a, b), Vec2(b, a), Vec2(a, c), Vec2(c, a), Vec2(b, c), Vec2(c, b)})
-    rule.push_back({xi, 0.5 * weight});
+    rule.push_back({in_space(xi), 0.5 * weight});
 }
 
 }  // namespace
@@ -55,7 +62,7 @@ std::vector<QuadraturePoint> gauss_triangle(int points) {
   std::vector<QuadraturePoint> rule;
   switch (points) {
     case 1:
-      return {{Vec2(1.0 / 3.0, 1.0 / 3.0), 0.5}};
+      return {{Vec3(1.0 / 3.0, 1.0 / 3.0, 0.0), 0.5}};
     case 3:
       add_orbit3(rule, 1.0 / 6.0, 1.0 / 3.0);
       return rule;
@@ -71,6 +78,15 @@ std::vector<QuadraturePoint> gauss_triangle(int points) {
     default:
       throw InputError("a triangle takes 1, 3, 6 or 12 points, not " + std::to_string(points));
   }
+}
+
+std::vector<QuadraturePoint> gauss_tetrahedron(int points) {
+  if (points == 1) return {{Vec3::Constant(0.25), 1.0 / 6.0}};
+  if (points != 4) throw InputError("a tetrahedron takes 1 or 4 points, not " + std::to_string(points));
+  const double a = (5.0 - std::sqrt(5.0)) / 20.0, b = 1.0 - 3.0 * a;
+  std::vector<QuadraturePoint> rule = {{Vec3::Constant(a), 1.0 / 24.0}};
+  for (int i = 0; i < 3; ++i) rule.push_back({Vec3::Constant(a) + (b - a) * Vec3::Unit(i), 1.0 / 24.0});
+  return rule;
 }
 
 }  // namespace berm

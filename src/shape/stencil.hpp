@@ -7,15 +7,15 @@
 
 namespace berm {
 
-/// Interpolation at one point: value = sum N[k] field[node[k]].
+/// Interpolation at one point: value = sum N[k] field[node[k]]. 20 nodes: quadratic hexahedra of the FEM reference.
 struct Stencil {
   int n = 0;
-  std::array<int, 8> node{};
-  std::array<double, 8> N{};
+  std::array<int, 20> node{};
+  std::array<double, 20> N{};
 
   template <class Field>
-  Vec2 interpolate(const Field& field) const {
-    Vec2 value = Vec2::Zero();
+  Vec3 interpolate(const Field& field) const {
+    Vec3 value = Vec3::Zero();
     for (int k = 0; k < n; ++k) value += N[k] * field[node[k]];
     return value;
   }

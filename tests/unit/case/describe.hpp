@@ -16,7 +16,7 @@ std::string describe(const std::optional<T>& value) {
   return value ? describe(*value) : "-";
 }
 
-inline std::string describe(const Shape& shape) {
+inline std::string describe(const PlaneShape& shape) {
   if (const auto* box = std::get_if<Box>(&shape.form)) return "box " + describe(box->min) + describe(box->max);
   if (const auto* disc = std::get_if<Disc>(&shape.form))
     return "disc " + describe(disc->centre) + describe(disc->radius);
@@ -27,7 +27,7 @@ inline std::string describe(const Shape& shape) {
   }
   const auto& combination = std::get<Combination>(shape.form);
   text = combination.kind == Combination::Kind::join ? "union{" : "difference{";
-  for (const Shape& part : combination.parts) text += describe(part) + ";";
+  for (const PlaneShape& part : combination.parts) text += describe(part) + ";";
   return text + "}";
 }
 

@@ -16,11 +16,11 @@ using namespace berm;
 
 namespace {
 
-Shape box(double x0, double y0, double x1, double y1) { return {Box{Vec2(x0, y0), Vec2(x1, y1)}}; }
-Shape disc(double x, double y, double r) { return {Disc{Vec2(x, y), r}}; }
-Shape minus(std::vector<Shape> parts) { return {Combination{Combination::Kind::difference, std::move(parts)}}; }
+PlaneShape box(double x0, double y0, double x1, double y1) { return {Box{Vec2(x0, y0), Vec2(x1, y1)}}; }
+PlaneShape disc(double x, double y, double r) { return {Disc{Vec2(x, y), r}}; }
+PlaneShape minus(std::vector<PlaneShape> parts) { return {Combination{Combination::Kind::difference, std::move(parts)}}; }
 
-Shape slit_specimen() {
+PlaneShape slit_specimen() {
   return minus({box(-0.15, 0, 0.15, 0.15), box(-0.0775, 0, -0.0725, 0.02), box(0.0725, 0, 0.0775, 0.02),
                 box(-0.0775, 0.13, -0.0725, 0.15), box(0.0725, 0.13, 0.0775, 0.15)});
 }
@@ -256,7 +256,7 @@ TEST(MeshShape, StructuredSlits) {
   for (const Edge& e : boundary_edges(mesh))
     length += (mesh.nodes[mesh.cell(e.cell)[e.local]] - mesh.nodes[mesh.cell(e.cell)[(e.local + 1) % 4]]).norm();
   EXPECT_NEAR(length, 0.9 + 8 * 0.02, 1e-13);
-  const Shape triangle{Polygon{{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}}};
+  const PlaneShape triangle{Polygon{{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}}};
   EXPECT_THROW(mesh_shape(triangle, options(BodyMeshKind::quads, 0.1, 1, true)), InputError);
 }
 
@@ -286,14 +286,14 @@ TEST(MeshShape, QuadraticDiscFollowsTheArc) {
 }
 
 TEST(MeshShape, QuadsAroundCornersHolesAndSlits) {
-  const Shape shapes[] = {
+  const PlaneShape shapes[] = {
       slit_specimen(),
       minus({box(-0.1, -0.1, 0.1, 0.1), disc(0, 0, 0.03)}),
       {Polygon{{{0, 0}, {0.5, 0}, {0.5, 0.5}, {0.25, 0.5}, {0.25, 0.25}, {0, 0.25}}}},
       {Combination{Combination::Kind::join, {box(0, 0, 0.1, 0.1), box(0.1, 0, 0.2, 0.05), disc(0.05, 0.1, 0.05)}}},
   };
-  for (const Shape& shape : shapes) {
-    const double area = Region(shape).area(), h = std::sqrt(area / 900.0);
+  for (const PlaneShape& shape : shapes) {
+    const double area = PlaneRegion(shape).area(), h = std::sqrt(area / 900.0);
     const Mesh mesh = mesh_shape(shape, options(BodyMeshKind::quads, h));
     EXPECT_TRUE(all_of_kind(mesh, CellKind::quad4));
     EXPECT_NEAR(mesh.n_cells(), 900, 225);
