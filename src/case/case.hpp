@@ -2,6 +2,7 @@
 /// A case file in memory: typed, complete, validated. Plain data; filled by read_case() only.
 /// Every length is in metres, every angle in radians, every stress in pascals.
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,13 +20,13 @@ namespace berm {
 enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
 
-/// Which part of the plane a boundary condition acts on: everything inside all the given limits.
+/// Which places a boundary condition acts on: everything inside all the given limits.
 struct Where {
-  std::optional<Vec2> min, max;      ///< box = { min, max }
-  std::optional<std::string> group;  ///< physical curve of a Gmsh body mesh or grid
+  std::optional<Vec3> min, max;      ///< box = { min, max }; plane models: z does not limit
+  std::optional<std::string> group;  ///< physical curve (space: surface) of a Gmsh body mesh or grid
   struct Sector {
     Vec2 centre;
-    double from, to;  ///< counter-clockwise from the x axis [rad]
+    double from, to;  ///< counter-clockwise from the x axis, seen against z [rad]
   };
   std::optional<Sector> sector;
 };
@@ -43,33 +44,33 @@ struct PointSeeding {
   int per_direction = 2;                                                 ///< grid: points per cell and direction
   enum class Placement { gauss, uniform } placement = Placement::gauss;  ///< grid: positions in uncut cells
   BodyMeshOptions mesh;  ///< mesh: the body mesh whose Gauss points become points
-  int per_element = 4;   ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad
+  int per_element = 4;   ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad; 1, 4 a tetrahedron; 1, 8, 27 a hexahedron
 };
 
 struct Body {
   std::string name;
   bool rigid = false;
   std::string material;        ///< empty for rigid bodies
-  std::optional<PlaneShape> shape;  ///< one of shape and mesh_file
+  std::optional<Shape> shape;  ///< one of shape and mesh_file; a plane or a solid one as `dimension` says
   std::string mesh_file,
       mesh_group;        ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
   PointSeeding points;   ///< mpm
   BodyMeshOptions mesh;  ///< fem
-  Vec2 displacement = Vec2::Zero();  ///< rigid: motion at time 1, linear in time [m]
+  Vec3 displacement = Vec3::Zero();  ///< rigid: motion at time 1, linear in time [m]
 };
 
 /// Prescribed displacement of grid nodes (mpm) or body-mesh nodes (fem) in a region.
 struct NodeBoundary {
   std::string name;
   Where where;
-  std::optional<double> ux, uy;  ///< displacement at time 1, linear in time [m]; absent: free
+  std::array<std::optional<double>, 3> u;  ///< ux, uy, uz: displacement at time 1, linear in time [m]; absent: free
 };
 
 /// Held material points (any place inside a body): removes rigid motion where no boundary does.
 struct Pin {
   std::string name, body;
-  Vec2 at;
-  bool x = false, y = false;
+  Vec3 at;
+  std::array<bool, 3> fixed = {false, false, false};  ///< x, y, z
 };
 
 /// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
@@ -95,25 +96,32 @@ struct Contact {
 /// Change of the distance between two material points along the line that joins them at the start.
 struct Gauge {
   std::string name;
-  Vec2 from, to;
+  Vec3 from, to;
 };
 
+/// Stresses and strains (tensor shear) in Voigt order, then the rest.
 enum class Quantity {
   stress_xx,
   stress_yy,
   stress_zz,
   stress_xy,
+  stress_yz,
+  stress_zx,
   strain_xx,
   strain_yy,
+  strain_zz,
   strain_xy,
+  strain_yz,
+  strain_zx,
   displacement_x,
   displacement_y,
+  displacement_z,
   damage
 };
 
 struct Probe {
   std::string name;
-  Vec2 at;  ///< reference position
+  Vec3 at;  ///< reference position
   Quantity quantity = Quantity::stress_xx;
 };
 
@@ -144,14 +152,17 @@ struct Solver {
   int max_iterations = 25;
   bool line_search = true;
   double ghost_penalty = 1e-3;  ///< in units of E; 0 switches it off
-  std::string petsc;            ///< PETSc options, e.g. "-ksp_view -snes_monitor"
+  /// How the linear systems are solved; automatic: direct in the plane, iterative for large systems in space.
+  enum class Linear { automatic, direct, iterative } linear = Linear::automatic;
+  double linear_tolerance = 1e-8;  ///< iterative: true residual over right-hand side
+  std::string petsc;               ///< PETSc options, e.g. "-ksp_view -snes_monitor"
 };
 
 /// Which load and which displacement make the nominal curve.
 struct Nominal {
   std::string load;          ///< name of a rigid body, boundary or pressure
   std::string displacement;  ///< name of a rigid body, boundary or gauge
-  Vec2 direction = Vec2(0.0, -1.0);
+  Vec3 direction = Vec3(0.0, -1.0, 0.0);
   double area = 1.0;    ///< nominal stress = reaction / area [m2]
   double length = 1.0;  ///< nominal strain = imposed displacement / length [m]
 };
@@ -165,15 +176,26 @@ struct Output {
   std::vector<std::string> references;  ///< CSV reference curves for the report (resolved paths)
 };
 
+/// When the state is saved, so that a run can go on after an end of any kind.
+struct Checkpoint {
+  int every_steps = 0;         ///< steps between checkpoints; 0: by time alone
+  double every_minutes = 10.0;  ///< wall-clock minutes between checkpoints; 0: by steps alone
+};
+
+/// How the cells are shared out among the processes.
+struct Parallel {
+  double rebalance = 1.2;  ///< most loaded over mean at which the cells are shared out anew
+};
+
 struct Case {
   std::filesystem::path file;
   std::string title;
   Method method = Method::mpm;
-  Plane plane = Plane::strain;
+  Space space = Space::plane_strain;
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
-  double thickness = 1.0;
-  Vec2 gravity = Vec2::Zero();                     ///< at time 1, linear in time [m/s2]
+  double thickness = 1.0;           ///< of plane models [m]
+  Vec3 gravity = Vec3::Zero();                     ///< at time 1, linear in time [m/s2]
   std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)
   std::vector<Material> materials;
   std::vector<Body> bodies;
@@ -185,6 +207,9 @@ struct Case {
   Steps steps;
   Solver solver;
   Output output;
+  Checkpoint checkpoint;
+  Parallel parallel;
+  int dimension() const { return space == Space::solid ? 3 : 2; }
   std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
   std::vector<std::string> warnings;
 };

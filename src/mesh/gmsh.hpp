@@ -13,7 +13,7 @@ namespace berm {
 /// wrong (missing, not a mesh, no plane cells, unsupported element type, not in the plane z = 0, degenerate cell).
 Mesh read_msh(const std::string& path);
 
-enum class BodyMeshKind { quads, triangles };
+enum class BodyMeshKind { quads, triangles, hexahedra, tetrahedra };
 
 struct BodyMeshOptions {
   BodyMeshKind kind = BodyMeshKind::quads;
