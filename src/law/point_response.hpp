@@ -1,117 +1,126 @@
 #pragma once
-/// From a plane deformation gradient to stress and tangent, small or finite, plane strain or plane stress: what the
+/// From a deformation gradient to stress and tangent, small or finite, in the plane, around an axis or in space: what the
 /// kernels of both methods call. docs/theory/damage.md, section "Finite strain".
 
 #include <cmath>
 
+#include "law/hencky.hpp"
 #include "law/law.hpp"
 #include "law/plane_stress.hpp"
 
 namespace berm {
 
-enum class Plane { strain, stress };
+/// What kind of model: how many components its deformation has.
+///
+/// | space | independent components of grad u, in the order of the tangent | strain components |
+/// | plane_strain, plane_stress | xx, xy, yx, yy | xx, yy, xy |
+/// | axisymmetric: x is the radius, y the axis, zz the hoop | xx, xy, yx, yy, zz | xx, yy, xy, zz |
+/// | solid | xx, xy, xz, yx, ..., zz | all six |
+enum class Space { plane_strain, plane_stress, axisymmetric, solid };
 enum class Kinematics { finite, small };
 
-struct PlaneResponse {
-  Mat2 stress = Mat2::Zero();  ///< Kirchhoff (finite) or Cauchy (small) stress in the plane [Pa]
-  double stress_zz = 0.0;      ///< [Pa]
-  /// a_ijkl, row 2i+j, column 2k+l: d(force)_i = sum_jl g_I,j a_ijkl g_J,l du_k with g the shape gradients on the
-  /// current configuration (finite; includes the geometric part) or the reference one (small) [Pa]
-  Eigen::Matrix4d tangent = Eigen::Matrix4d::Zero();
-  double strain_zz = 0.0;        ///< [-]
-  Voigt strain = Voigt::Zero();  ///< Hencky (finite) or small strain, engineering shear, with zz [-]
+constexpr int dimension_of(Space space) { return space == Space::solid ? 3 : 2; }
+/// Components of grad u that a model has: rows and columns of its tangent.
+constexpr int components_of(Space space) {
+  return space == Space::solid ? 9 : space == Space::axisymmetric ? 5 : 4;
+}
+
+struct PointResponse {
+  Voigt stress = Voigt::Zero();  ///< Kirchhoff (finite) or Cauchy (small) stress [Pa]
+  Voigt strain = Voigt::Zero();  ///< Hencky (finite) or small strain, engineering shear [-]
   double damage = 0.0;           ///< see LawOutput for these four
   double stored_energy = 0.0;
   double dissipated = 0.0;
   double extrapolation_error = 0.0;
 };
 
-/// d(strain xx, yy, engineering xy) / d(l_xx, l_xy, l_yx, l_yy), l = dF F^-1.
-using StrainOperator = Eigen::Matrix<double, 3, 4>;
+/// a_ijkl by the components of grad u: d(force)_i = sum_jl g_I,j a_ijkl g_J,l du_k with g the shape gradients on the
+/// current configuration (finite; includes the geometric part) or the reference one (small) [Pa]
+template <int components>
+using Modulus = Eigen::Matrix<double, components, components>;
 
-/// The operator of small strain: the symmetric part of l.
-inline StrainOperator symmetric_part() {
-  StrainOperator m;
-  m << 1, 0, 0, 0,  //
-      0, 0, 0, 1,   //
-      0, 1, 1, 0;
+namespace response_detail {
+
+inline Mat3 tensor(const Voigt& v) {
+  Mat3 m;
+  m << v[XX], v[XY], v[ZX], v[XY], v[YY], v[YZ], v[ZX], v[YZ], v[ZZ];
   return m;
 }
 
-/// Hencky strain ln(F F^T)/2 from h = F - I, exact to rounding for any size of h, eqs. (40)-(42); `rate`, if asked for,
-/// is its exact derivative, eq. (44), also for equal stretches. False if det F <= 0.
-inline bool hencky_strain(const Mat2& h, Voigt& strain, StrainOperator* rate) {
-  const double volume = h.trace() + h.determinant();  // J - 1
-  if (!(volume > -1.0)) return false;
-  const Mat2 b = h + h.transpose() + h * h.transpose();  // b - I
-  const double half = 0.5 * (b(0, 0) - b(1, 1)), radius = std::sqrt(half * half + b(0, 1) * b(0, 1));
-  const double cos2 = radius > 0.0 ? half / radius : 1.0, sin2 = radius > 0.0 ? b(0, 1) / radius : 0.0;
-  const double larger = 1.0 + 0.5 * b.trace() + radius;                // eigenvalues of b: larger, and ...
-  const double smaller = (1.0 + volume) * (1.0 + volume) / larger;     // ... smaller, without cancellation
-  const double x = 2.0 * radius / smaller, ratio_log = std::log1p(x);  // ratio of the two = 1 + x
-  const double mean = 0.5 * std::log1p(volume), deviator = 0.25 * ratio_log;
-  strain << mean + deviator * cos2, mean - deviator * cos2, 0.0, 2.0 * deviator * sin2, 0.0, 0.0;
-  if (rate == nullptr) return true;
-  *rate = symmetric_part();
-  if (x == 0.0) return true;
-  const double c12 = ratio_log / x - 1.0, c21 = (1.0 + x) * (ratio_log / x) - 1.0;
-  const Vec3 direction(-0.5 * sin2, 0.5 * sin2, cos2);  // unit shear in the principal axes
-  const Eigen::Vector4d n1n2(-0.5 * sin2, 0.5 * (1.0 + cos2), -0.5 * (1.0 - cos2), 0.5 * sin2);
-  const Eigen::Vector4d n2n1(-0.5 * sin2, -0.5 * (1.0 - cos2), 0.5 * (1.0 + cos2), 0.5 * sin2);
-  *rate += direction * (c12 * n1n2 + c21 * n2n1).transpose();
+/// Strain and, if asked for, its rate; false if det F <= 0.
+template <int components>
+bool strain_of(const Mat3& h, Kinematics kinematics, Voigt& strain, StrainRate<components>* rate) {
+  if (kinematics == Kinematics::finite) return hencky_strain<components>(h, strain, rate);
+  strain << h(0, 0), h(1, 1), components > 4 ? h(2, 2) : 0.0, h(0, 1) + h(1, 0), 0.0, 0.0;
+  if constexpr (components == 9) {
+    strain[YZ] = h(1, 2) + h(2, 1);
+    strain[ZX] = h(2, 0) + h(0, 2);
+  }
+  if (rate) *rate = symmetric_part<components>();
   return true;
 }
 
 /// a = D : d(strain)/dl - tau l^T (the second part for finite strain only), eq. (45).
-inline void plane_tangent(const Voigt66& d, const StrainOperator& rate, const Mat2& stress, Kinematics kinematics,
-                          Eigen::Matrix4d& a) {
-  constexpr int voigt[3] = {XX, YY, XY};
-  Eigen::Matrix3d plane;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) plane(i, j) = d(voigt[i], voigt[j]);
-  const StrainOperator m = plane * rate;
-  a.row(0) = m.row(0);
-  a.row(1) = m.row(2);
-  a.row(2) = m.row(2);
-  a.row(3) = m.row(1);
-  if (kinematics == Kinematics::small) return;
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j)
-      for (int l = 0; l < 2; ++l) a(2 * i + j, 2 * j + l) -= stress(i, l);
+template <int components>
+void modulus(const Voigt66& d, const StrainRate<components>& rate, const Voigt& stress, Kinematics kinematics,
+             Modulus<components>& a) {
+  constexpr int n = strains_of(components);
+  Eigen::Matrix<double, n, n> reduced;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) reduced(i, j) = d(voigt_of(components, i), voigt_of(components, j));
+  const Eigen::Matrix<double, n, components> m = reduced * rate;
+  const Mat3 tau = tensor(stress);
+  if constexpr (components == 9) {
+    constexpr int row_of[9] = {XX, XY, ZX, XY, YY, YZ, ZX, YZ, ZZ};
+    for (int i = 0; i < 9; ++i) a.row(i) = m.row(row_of[i]);
+    if (kinematics == Kinematics::small) return;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        for (int l = 0; l < 3; ++l) a(3 * i + j, 3 * j + l) -= tau(i, l);
+  } else {
+    a.row(0) = m.row(0);
+    a.row(1) = m.row(2);
+    a.row(2) = m.row(2);
+    a.row(3) = m.row(1);
+    if constexpr (components == 5) a.row(4) = m.row(3);
+    if (kinematics == Kinematics::small) return;
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j)
+        for (int l = 0; l < 2; ++l) a(2 * i + j, 2 * j + l) -= tau(i, l);
+    if constexpr (components == 5) a(4, 4) -= tau(2, 2);
+  }
 }
 
-/// Stress and tangent at the deformation gradient F. `settings` gives everything of LawInput but the strain.
-/// `strain_zz` (plane stress: first guess in, solution out; plane strain: set to 0). Returns the law's status;
+}  // namespace response_detail
+
+/// Stress, and tangent if `tangent` is given, at the deformation gradient F (axisymmetric: with the hoop stretch in zz;
+/// plane: zz does not matter). `components` must be components_of(space). `settings` gives everything of LawInput but the
+/// strain. `strain_zz` (plane stress: first guess in, solution out; else untouched). Returns the law's status;
 /// not_admissible if det F <= 0.
-template <Law L>
-Status plane_response(const L& law, Plane plane, Kinematics kinematics, const Mat2& f, LawInput settings,
-                      const double* old_state, double* new_state, double& strain_zz, PlaneResponse& out) {
-  const Mat2 h = f - Mat2::Identity();
-  StrainOperator rate;
-  if (kinematics == Kinematics::small) {
-    settings.strain << h(0, 0), h(1, 1), 0.0, h(0, 1) + h(1, 0), 0.0, 0.0;
-    rate = symmetric_part();
-  } else if (!hencky_strain(h, settings.strain, settings.want_tangent ? &rate : nullptr)) {
+template <int components, Law L>
+Status point_response(const L& law, Space space, Kinematics kinematics, const Mat3& f, LawInput settings,
+                      const double* old_state, double* new_state, double& strain_zz, PointResponse& out,
+                      Modulus<components>* tangent = nullptr) {
+  StrainRate<components> rate;
+  settings.want_tangent = tangent != nullptr;
+  if (!response_detail::strain_of<components>(f - Mat3::Identity(), kinematics, settings.strain,
+                                              tangent ? &rate : nullptr))
     return Status::not_admissible;
-  }
 
   LawOutput law_out;
-  if (plane == Plane::strain) strain_zz = 0.0;
-  const Status status = plane == Plane::strain
-                            ? law.update(settings, old_state, new_state, law_out)
-                            : update_plane_stress(law, settings, old_state, new_state, law_out, strain_zz);
+  const bool plane_stress = space == Space::plane_stress;
+  const Status status = plane_stress ? update_plane_stress(law, settings, old_state, new_state, law_out, strain_zz)
+                                     : law.update(settings, old_state, new_state, law_out);
   if (status != Status::ok) return status;
 
-  settings.strain[ZZ] = strain_zz;
+  if (plane_stress) settings.strain[ZZ] = strain_zz;
   out.strain = settings.strain;
-  out.strain_zz = strain_zz;
-  out.stress << law_out.stress[XX], law_out.stress[XY], law_out.stress[XY], law_out.stress[YY];
-  out.stress_zz = law_out.stress[ZZ];
+  out.stress = law_out.stress;
   out.damage = law_out.damage;
   out.stored_energy = law_out.stored_energy;
   out.dissipated = law_out.dissipated;
   out.extrapolation_error = law_out.extrapolation_error;
-  if (settings.want_tangent) plane_tangent(law_out.tangent, rate, out.stress, kinematics, out.tangent);
+  if (tangent) response_detail::modulus<components>(law_out.tangent, rate, out.stress, kinematics, *tangent);
   return Status::ok;
 }
 

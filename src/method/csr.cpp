@@ -1,6 +1,9 @@
 #include "method/csr.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "base/error.hpp"
 
 namespace berm {
 namespace {
@@ -19,7 +22,8 @@ Blocks node_neighbours(const Blocks& blocks, int n_nodes) {
   std::vector<int> stamp(n_nodes, -1);
   std::vector<int> row;
   for (int node = 0; node < n_nodes; ++node) {
-    row.clear();
+    row.assign(1, node);  // a node without blocks here keeps its diagonal
+    stamp[node] = node;
     for (int k = count[node]; k < count[node + 1]; ++k)
       for (int other : blocks[blocks_of[k]])
         if (stamp[other] != node) {
@@ -34,32 +38,37 @@ Blocks node_neighbours(const Blocks& blocks, int n_nodes) {
 
 }  // namespace
 
-void BlockAssembler::build(const Blocks& blocks, const std::vector<int>& equation, int n_equations,
-                           const Border& border) {
-  const int n_nodes = static_cast<int>(equation.size()) / 2;
+void BlockAssembler::build(const Blocks& blocks, int n_nodes, int dimension, const Border& border) {
+  dimension_ = dimension;
+  blocks_ = blocks;
   const Blocks neighbours = node_neighbours(blocks, n_nodes);
-  const int n = n_equations + (border.active ? 1 : 0);
-
-  std::vector<char> in_border_column(n, 0);
+  const int n_unknowns = dimension * n_nodes;
+  matrix_.n = n_unknowns + (border.active ? 1 : 0);
+  std::vector<char> in_border_column(n_unknowns, 0);
   for (int row : border.column_rows) in_border_column[row] = 1;
+  const std::size_t entries = neighbours.nodes.size() * dimension * dimension + border.column_rows.size() +
+                              border.row_columns.size() + 1;
+  if (entries > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw RunError("the matrix of a process has more than 2^31 entries: take more processes or larger cells");
 
-  // Equations are numbered by ascending node, so that rows come out in order and columns ascending.
-  matrix_.n = n;
   matrix_.row_begin.assign(1, 0);
   matrix_.column.clear();
+  matrix_.column.reserve(entries);
+  diagonal_.resize(n_unknowns);
   for (int node = 0; node < n_nodes; ++node)
-    for (int c = 0; c < 2; ++c) {
-      const int row = equation[2 * node + c];
-      if (row < 0) continue;
+    for (int c = 0; c < dimension; ++c) {
+      const int row = dimension * node + c;
       for (int other : neighbours[node])
-        for (int d = 0; d < 2; ++d)
-          if (equation[2 * other + d] >= 0) matrix_.column.push_back(equation[2 * other + d]);
-      if (in_border_column[row]) matrix_.column.push_back(n_equations);
+        for (int d = 0; d < dimension; ++d) {
+          if (other == node && d == c) diagonal_[row] = static_cast<int>(matrix_.column.size());
+          matrix_.column.push_back(dimension * other + d);
+        }
+      if (in_border_column[row]) matrix_.column.push_back(n_unknowns);
       matrix_.row_begin.push_back(static_cast<int>(matrix_.column.size()));
     }
   if (border.active) {
     std::vector<int> columns = border.row_columns;
-    columns.push_back(n_equations);
+    columns.push_back(n_unknowns);
     std::sort(columns.begin(), columns.end());
     matrix_.column.insert(matrix_.column.end(), columns.begin(), columns.end());
     matrix_.row_begin.push_back(static_cast<int>(matrix_.column.size()));
@@ -67,33 +76,16 @@ void BlockAssembler::build(const Blocks& blocks, const std::vector<int>& equatio
   matrix_.value.assign(matrix_.column.size(), 0.0);
 
   start_.clear();
-  size_.clear();
   target_.clear();
-  dof_.clear();
-  dof_start_.clear();
-  touches_prescribed_.clear();
-  equation_ = equation;
-  std::vector<int> dofs;
   for (int b = 0; b < blocks.size(); ++b) {
-    dofs.clear();
-    dof_start_.push_back(dof_.size());
-    bool touches = false;
-    for (int node : blocks[b])
-      for (int c = 0; c < 2; ++c) {
-        dof_.push_back(2 * node + c);
-        dofs.push_back(equation[2 * node + c]);
-        touches = touches || dofs.back() < 0;
-      }
-    touches_prescribed_.push_back(touches);
     start_.push_back(target_.size());
-    size_.push_back(static_cast<int>(dofs.size()));
-    for (int row : dofs)
-      for (int column : dofs) target_.push_back(row < 0 || column < 0 ? -1 : position(row, column));
+    for (int i : blocks[b])
+      for (int j : blocks[b]) target_.push_back(position(dimension * i, dimension * j));
   }
   border_column_.clear();
   border_row_.clear();
-  for (int row : border.column_rows) border_column_.push_back(position(row, n_equations));
-  for (int column : border.row_columns) border_row_.push_back(position(n_equations, column));
+  for (int row : border.column_rows) border_column_.push_back(position(row, n_unknowns));
+  for (int column : border.row_columns) border_row_.push_back(position(n_unknowns, column));
 }
 
 int BlockAssembler::position(int row, int column) const {
@@ -102,25 +94,49 @@ int BlockAssembler::position(int row, int column) const {
   return static_cast<int>(std::lower_bound(first, last, column) - matrix_.column.begin());
 }
 
-void BlockAssembler::zero(const std::vector<double>* increment) {
+void BlockAssembler::zero(const std::vector<char>& fixed, int n_owned, double diagonal,
+                          const std::vector<double>* increment) {
   std::fill(matrix_.value.begin(), matrix_.value.end(), 0.0);
+  fixed_ = &fixed;
   increment_ = increment;
-  if (increment_) prescribed_force_.assign(matrix_.n, 0.0);
+  if (increment_) prescribed_force_.assign(fixed.size(), 0.0);
+  for (int row = 0; row < dimension_ * n_owned; ++row)
+    if (fixed[row]) matrix_.value[diagonal_[row]] = diagonal;
+  touches_fixed_.assign(blocks_.size(), 0);
+  for (int b = 0; b < blocks_.size(); ++b)
+    for (int node : blocks_[b])
+      for (int c = 0; c < dimension_; ++c) touches_fixed_[b] |= fixed[dimension_ * node + c];
 }
 
 void BlockAssembler::add(int block, const double* dense) {
+  const std::span<const int> nodes = blocks_[block];
+  const int n = static_cast<int>(nodes.size()), d = dimension_, width = n * d;
   const int* target = target_.data() + start_[block];
-  const int entries = size_[block] * size_[block];
-  double* value = matrix_.value.data();
-  for (int k = 0; k < entries; ++k)
-    if (target[k] >= 0) value[target[k]] += dense[k];
-  if (!increment_ || !touches_prescribed_[block]) return;
-  const int n = size_[block];
-  const int* dof = dof_.data() + dof_start_[block];
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      if (equation_[dof[i]] >= 0 && equation_[dof[j]] < 0)
-        prescribed_force_[equation_[dof[i]]] += dense[i * n + j] * (*increment_)[dof[j]];
+  const std::vector<char>& fixed = *fixed_;
+  for (int i = 0; i < n; ++i) {
+    for (int c = 0; c < d; ++c) {
+      const int row = d * nodes[i] + c;
+      const double* from = dense + (i * d + c) * width;
+      // Rows of a node are equally long, but for a border's column at the end of some.
+      const int shift = matrix_.row_begin[row] - matrix_.row_begin[d * nodes[i]];
+      if (!touches_fixed_[block]) {
+        for (int j = 0; j < n; ++j) {
+          double* to = &matrix_.value[target[i * n + j] + shift];
+          for (int e = 0; e < d; ++e) to[e] += from[j * d + e];
+        }
+        continue;
+      }
+      if (fixed[row]) continue;
+      for (int j = 0; j < n; ++j)
+        for (int e = 0; e < d; ++e) {
+          const int column = d * nodes[j] + e;
+          if (!fixed[column])
+            matrix_.value[target[i * n + j] + shift + e] += from[j * d + e];
+          else if (increment_)
+            prescribed_force_[row] += from[j * d + e] * (*increment_)[column];
+        }
+    }
+  }
 }
 
 void BlockAssembler::set_border(const std::vector<double>& column, const std::vector<double>& row) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Sparse matrix by rows, and its assembly from small dense blocks (one per cell) without searching.
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -13,7 +14,7 @@ struct CsrMatrix {
   std::vector<double> value;
 };
 
-/// Node lists of the blocks: one per active cell, then one per stabilised face.
+/// Node lists of the blocks: one per active cell, then one per stabilised face. Local node numbers.
 struct Blocks {
   std::vector<int> offsets = {0};
   std::vector<int> nodes;
@@ -27,42 +28,46 @@ struct Blocks {
   bool operator==(const Blocks&) const = default;
 };
 
-/// A bordered system has one more unknown (the load factor) and one more equation (the controlled gauge):
-/// equations with an entry in the last column, and in the last row.
+/// A bordered system has one more unknown (the load factor) and one more equation (the controlled gauge): unknowns with an
+/// entry in the last column, and in the last row.
 struct Border {
   std::vector<int> column_rows, row_columns;
   bool active = false;
   bool operator==(const Border&) const = default;
 };
 
-/// Adds dense blocks into a CSR matrix at positions computed once per connectivity.
+/// Adds dense blocks into a CSR matrix at positions computed once per connectivity. Unknown number = dimension * node +
+/// component, for the nodes of this process, ghosts included; prescribed unknowns keep their row: a diagonal alone.
 class BlockAssembler {
 public:
-  /// equation: 2 per node, -1 where the displacement is prescribed.
-  void build(const Blocks& blocks, const std::vector<int>& equation, int n_equations, const Border& border = {});
-  /// Zeroes the values. If `increment` is given (2 per node), the columns of prescribed dofs are not dropped but
-  /// multiplied with it and summed into prescribed_force().
-  void zero(const std::vector<double>* increment = nullptr);
-  /// dense: (2n x 2n) row-major block, dofs ordered node by node (x, y).
+  /// dimension: unknowns a node.
+  void build(const Blocks& blocks, int n_nodes, int dimension, const Border& border = {});
+  /// Zeroes the values. fixed: one flag an unknown; their rows become `diagonal` times the identity where this process
+  /// owns the node (the first n_owned nodes), else nothing. If `increment` is given (one an unknown), the columns of fixed
+  /// unknowns are multiplied with it and summed into prescribed_force() before they are dropped.
+  void zero(const std::vector<char>& fixed, int n_owned, double diagonal,
+            const std::vector<double>* increment = nullptr);
+  /// dense: row-major block, unknowns ordered node by node.
   void add(int block, const double* dense);
   /// Last column / last row of a bordered system, in the order of Border's lists.
   void set_border(const std::vector<double>& column, const std::vector<double>& row);
   CsrMatrix& matrix() { return matrix_; }
-  /// K_fp du_p, one entry an equation.
+  /// K_fp du_p, one entry an unknown.
   const std::vector<double>& prescribed_force() const { return prescribed_force_; }
 
 private:
   int position(int row, int column) const;
 
+  int dimension_ = 2;
   CsrMatrix matrix_;
+  Blocks blocks_;
   std::vector<std::size_t> start_;  ///< first entry of a block in target_
-  std::vector<int> size_;           ///< dofs of a block
-  std::vector<int> target_;         ///< position in matrix_.value, or -1
+  std::vector<int> target_;         ///< of a pair of nodes: place in matrix_.value of their first unknowns
+  std::vector<int> diagonal_;       ///< place of every unknown's diagonal
   std::vector<int> border_column_, border_row_;
-  std::vector<int> dof_, equation_;
-  std::vector<std::size_t> dof_start_;
-  std::vector<char> touches_prescribed_;
+  const std::vector<char>* fixed_ = nullptr;
   const std::vector<double>* increment_ = nullptr;
+  std::vector<char> touches_fixed_;  ///< of a block, for the flags of the last zero()
   std::vector<double> prescribed_force_;
 };
 

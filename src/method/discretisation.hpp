@@ -1,10 +1,15 @@
 #pragma once
 /// What the step driver asks of a space discretisation. MPM (transfer/) and FEM (fem/) answer with kernels of their
 /// own: the reference must be able to disagree.
+///
+/// Every process holds the points of the cells that it owns, and nodal vectors over its *local nodes*: those that it owns,
+/// then ghosts, which it touches but another owns (`halo`). Kernels add what this process has to say; the driver adds
+/// ghosts to owners.
 
 #include <string>
 #include <vector>
 
+#include "comm/halo.hpp"
 #include "mesh/region.hpp"
 #include "method/csr.hpp"
 #include "method/material_state.hpp"
@@ -15,52 +20,83 @@ namespace berm {
 /// A material spot that is no integration point: a surface point, a pin, the end of a gauge.
 struct Anchor {
   int body = 0;
-  Vec2 X = Vec2::Zero();       ///< reference position [m]
-  Vec2 x = Vec2::Zero();       ///< current position [m]; stays at X in small strain
-  Vec2 u = Vec2::Zero();       ///< displacement since the start [m]
+  Vec3 X = Vec3::Zero();       ///< reference position [m]
+  Vec3 x = Vec3::Zero();       ///< current position [m]; stays at X in small strain
+  Vec3 u = Vec3::Zero();       ///< displacement since the start [m]
   Stencil stencil;             ///< nodes of the step that carry it
   int block = -1;              ///< block (cell) that contains those nodes
   int cell = -1;               ///< last known cell, a hint
   bool rigid = false;          ///< belongs to a rigid body: its cell needs no stabilisation
-  Vec2 inward = Vec2::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
+  Vec3 inward = Vec3::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
 };
 
-/// Nodal vectors: one Vec2 a node of the grid (mpm) or of the body meshes (fem).
-using NodalVector = std::vector<Vec2>;
+/// Nodal vectors: one Vec3 a local node; z = 0 in the plane.
+using NodalVector = std::vector<Vec3>;
 
 class Discretisation {
 public:
   virtual ~Discretisation() = default;
 
-  /// Fixes the connectivity of the coming step: cells of points and anchors, blocks, stencils. It stays as it is until
-  /// the next begin_step. Throws RunError with position and remedy if a point or anchor lies outside the grid.
-  virtual void begin_step(std::vector<Anchor*>& anchors) = 0;
+  /// The mesh that all nodes belong to, whole on every process: background grid (mpm), meshes of all bodies (fem). Node
+  /// ids of the halo are its node numbers.
+  virtual const Mesh& mesh() const = 0;
+  int dimension() const { return mesh().dimension(); }
+  const Comm& comm() const { return comm_; }
+  int n_nodes() const { return halo.size(); }
+  double most_loaded() const { return most_loaded_; }
 
-  int n_nodes() const { return static_cast<int>(nodes.size()); }
+  /// Points find their cells and travel to the processes that own them; the cells are shared out anew if the most loaded
+  /// process has more than `rebalance` times the mean. Collective. Throws RunError with position and remedy if a point
+  /// lies outside the grid.
+  virtual void move_points(double rebalance) = 0;
+  /// Finds an anchor's cell and returns the process that owns it. Throws RunError if it lies outside.
+  virtual int locate(Anchor& anchor) const = 0;
+  /// Fixes the connectivity of the coming step: cells of points and of this process's anchors, local nodes, blocks,
+  /// stencils. It stays as it is until the next begin_step. Collective.
+  virtual void begin_step(const std::vector<Anchor*>& anchors) = 0;
+
   /// Trial state for the increment du of the step.
-  virtual Status evaluate(const NodalVector& du, const LawSettings& settings, bool tangent) = 0;
+  virtual Status evaluate(const NodalVector& du, const LawSettings& settings) = 0;
   /// Internal force of the trial state, added to f (tension pulls nodes inwards: positive = resists).
   virtual void add_internal_force(NodalVector& f) const = 0;
-  virtual void add_tangent(BlockAssembler& matrix) const = 0;
+  /// Tangent of the trial state last evaluated.
+  virtual void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const = 0;
   /// Stabilisation of cut cells (linear in du): force and matrix. Nothing for FEM.
   virtual void add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const = 0;
   /// Weight of the material under a uniform acceleration, added to f.
-  virtual void add_body_force(const Vec2& acceleration, NodalVector& f) const = 0;
+  virtual void add_body_force(const Vec3& acceleration, NodalVector& f) const = 0;
   /// The trial state becomes the state; points and anchors move.
-  virtual void commit(const NodalVector& du, std::vector<Anchor*>& anchors) = 0;
+  virtual void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) = 0;
 
-  /// For output: position and displacement of the integration points, and of the mesh.
-  virtual std::vector<Vec2> point_positions() const = 0;
-  virtual std::vector<Vec2> point_displacements() const = 0;
+  /// For output: ids, positions and displacements of this process's integration points.
+  virtual const std::vector<std::int64_t>& point_ids() const = 0;
+  virtual std::vector<Vec3> point_positions() const = 0;
+  virtual std::vector<Vec3> point_displacements() const = 0;
+  /// Where they were at the start.
+  virtual std::vector<Vec3> point_origins() const = 0;
   /// Places that stand for a rigid shape: evenly spread points in the cells of the grid; empty for FEM.
-  virtual std::vector<Vec2> points_inside(const Region& region, const std::string& body) const = 0;
+  virtual std::vector<Vec3> points_inside(const Region& region, const std::string& body) const = 0;
   /// Representative size of the cells at reference [m]; scales penalties.
   virtual double cell_size() const = 0;
 
-  std::vector<Vec2> nodes;   ///< positions of the nodes that du belongs to, at reference
-  std::vector<char> active;  ///< nodes that take part in this step
-  Blocks blocks;             ///< connectivity of this step
+  /// Everything of a point of a slice as a row of doubles (first: its id), and the points of all slices from such rows,
+  /// in whatever order they come: checkpoints. Rows may belong to other processes: they travel. Collective.
+  virtual int row_width(int slice) const = 0;
+  virtual std::vector<double> point_rows(int slice) const = 0;
+  virtual void restore_points(const std::vector<std::vector<double>>& rows_of_slice) = 0;
+  /// What the nodes keep from step to step (fem: displacements), one Vec3 for each node that this process owns.
+  virtual std::vector<Vec3> node_state() const { return {}; }
+  virtual void restore_nodes(const std::vector<std::int64_t>&, const std::vector<Vec3>&) {}
+
+  Halo halo;                ///< the local nodes of this step
+  std::vector<Vec3> nodes;  ///< positions of the local nodes at reference
+  Blocks blocks;            ///< connectivity of this step, in local nodes
   MaterialState material;
+
+protected:
+  explicit Discretisation(const Comm& comm) : comm_(comm) {}
+  Comm comm_;
+  double most_loaded_ = 1.0;  ///< points of the most loaded process over the mean
 };
 
 }  // namespace berm

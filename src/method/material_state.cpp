@@ -1,9 +1,55 @@
 #include "method/material_state.hpp"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace berm {
+namespace {
+
+/// Calls work(law, first point, last point + 1, slice) for every slice with the law's own type.
+template <class Work>
+void for_each_law(const std::vector<Slice>& slices, Work work) {
+  for (const Slice& slice : slices) std::visit([&](const auto& law) { work(law, slice); }, slice.law);
+}
+
+/// Doubles of a row besides the law's state: volume, length, F, strain zz, stress, strain, damage, two energies.
+constexpr int fixed_width = 2 + 9 + 1 + 6 + 6 + 3;
+
+template <int components>
+Status respond_slice(const auto& law, const Slice& slice, const LawSettings& settings, MaterialState& m,
+                     const double* old_state, double* new_state, const std::vector<double>& old_zz,
+                     std::vector<double>& new_zz) {
+  LawInput in;
+  in.dt = settings.dt;
+  in.integration = settings.integration;
+  Status worst = Status::ok;
+  for (int p = slice.begin; p < slice.end; ++p, old_state += slice.n_state, new_state += slice.n_state) {
+    in.length = m.length[p];
+    new_zz[p] = old_zz[p];
+    const Status status = point_response<components>(law, settings.space, settings.kinematics, m.trial_F[p], in,
+                                                     old_state, new_state, new_zz[p], m.trial[p]);
+    if (status != Status::ok && worst == Status::ok) worst = status;
+  }
+  return worst;
+}
+
+}  // namespace
+
+void MaterialState::resize_points(std::size_t n) {
+  F.resize(n, Mat3::Identity());
+  trial_F.resize(n, Mat3::Identity());
+  trial.resize(n);
+  strain_zz.resize(n, 0.0);
+  trial_strain_zz_.resize(n, 0.0);
+  stress.resize(n, Voigt::Zero());
+  strain.resize(n, Voigt::Zero());
+  damage.resize(n, 0.0);
+  stored.resize(n, 0.0);
+  dissipated.resize(n, 0.0);
+}
 
 void MaterialState::add(int body, const AnyLaw& law, const std::vector<double>& new_volume,
                         const std::vector<double>& new_length) {
@@ -17,17 +63,7 @@ void MaterialState::add(int body, const AnyLaw& law, const std::vector<double>& 
 
   volume.insert(volume.end(), new_volume.begin(), new_volume.end());
   length.insert(length.end(), new_length.begin(), new_length.end());
-  const std::size_t n = slice.end;
-  F.resize(n, Mat2::Identity());
-  trial_F.resize(n, Mat2::Identity());
-  trial.resize(n);
-  strain_zz.resize(n, 0.0);
-  trial_strain_zz_.resize(n, 0.0);
-  stress.resize(n, Voigt::Zero());
-  strain.resize(n, Voigt::Zero());
-  damage.resize(n, 0.0);
-  stored.resize(n, 0.0);
-  dissipated.resize(n, 0.0);
+  resize_points(slice.end);
   state_.resize(state_.size() + new_volume.size() * slice.n_state);
   std::visit(
       [&](const auto& l) {
@@ -39,37 +75,62 @@ void MaterialState::add(int body, const AnyLaw& law, const std::vector<double>& 
   slices.push_back(std::move(slice));
 }
 
-Status MaterialState::respond(const LawSettings& settings, bool tangent) {
+Status MaterialState::respond(const LawSettings& settings) {
   kinematics_ = settings.kinematics;
-  LawInput in;
-  in.dt = settings.dt;
-  in.integration = settings.integration;
-  in.want_tangent = tangent;
   Status worst = Status::ok;
-  for (const Slice& slice : slices)
-    std::visit(
-        [&](const auto& law) {
-          const double* old_state = state_.data() + slice.state_begin;
-          double* new_state = trial_state_.data() + slice.state_begin;
-          for (int p = slice.begin; p < slice.end; ++p, old_state += slice.n_state, new_state += slice.n_state) {
-            in.length = length[p];
-            trial_strain_zz_[p] = strain_zz[p];
-            const Status status = plane_response(law, settings.plane, settings.kinematics, trial_F[p], in, old_state,
-                                                 new_state, trial_strain_zz_[p], trial[p]);
-            if (status != Status::ok && worst == Status::ok) worst = status;
-          }
-        },
-        slice.law);
+  for_each_law(slices, [&](const auto& law, const Slice& slice) {
+    const double* old_state = state_.data() + slice.state_begin;
+    double* new_state = trial_state_.data() + slice.state_begin;
+    const auto respond_with = [&]<int components>() {
+      return respond_slice<components>(law, slice, settings, *this, old_state, new_state, strain_zz, trial_strain_zz_);
+    };
+    const int components = components_of(settings.space);
+    const Status status = components == 9   ? respond_with.template operator()<9>()
+                          : components == 5 ? respond_with.template operator()<5>()
+                                            : respond_with.template operator()<4>();
+    if (worst == Status::ok) worst = status;
+  });
   return worst;
 }
 
+int MaterialState::slice_of(int p) const {
+  int s = 0;
+  while (p >= slices[s].end) ++s;
+  return s;
+}
+
+template <int components>
+void MaterialState::modulus(int p, const LawSettings& settings, Modulus<components>& tangent) const {
+  const Slice& slice = slices[slice_of(p)];
+  LawInput in;
+  in.dt = settings.dt;
+  in.integration = settings.integration;
+  in.length = length[p];
+  constexpr int most_state = 32;
+  std::array<double, most_state> unused_state;
+  PointResponse unused;
+  double zz = strain_zz[p];
+  std::visit(
+      [&](const auto& law) {
+        static_assert(std::decay_t<decltype(law)>::n_state <= most_state);
+        const double* old_state = state_.data() + slice.state_begin + std::size_t(p - slice.begin) * slice.n_state;
+        point_response<components>(law, settings.space, settings.kinematics, trial_F[p], in, old_state,
+                                   unused_state.data(), zz, unused, &tangent);
+      },
+      slice.law);
+}
+
+template void MaterialState::modulus<4>(int, const LawSettings&, Modulus<4>&) const;
+template void MaterialState::modulus<5>(int, const LawSettings&, Modulus<5>&) const;
+template void MaterialState::modulus<9>(int, const LawSettings&, Modulus<9>&) const;
+
 void MaterialState::commit() {
   for (int p = 0; p < size(); ++p) {
-    const PlaneResponse& r = trial[p];
+    const PointResponse& r = trial[p];
     F[p] = trial_F[p];
     // Kirchhoff to Cauchy; in small strain they are the same.
     const double J = kinematics_ == Kinematics::finite ? F[p].determinant() * std::exp(trial_strain_zz_[p]) : 1.0;
-    stress[p] << r.stress(0, 0) / J, r.stress(1, 1) / J, r.stress_zz / J, r.stress(0, 1) / J, 0.0, 0.0;
+    stress[p] = r.stress / J;
     strain[p] = r.strain;
     damage[p] = r.damage;
     stored[p] = r.stored_energy;
@@ -77,6 +138,61 @@ void MaterialState::commit() {
   }
   strain_zz.swap(trial_strain_zz_);
   state_.swap(trial_state_);
+}
+
+int MaterialState::row_width(int slice) const { return fixed_width + slices[slice].n_state; }
+
+void MaterialState::write_row(int p, double* row) const {
+  const auto put = [&row](const double* values, int n) { row = std::copy_n(values, n, row); };
+  put(&volume[p], 1);
+  put(&length[p], 1);
+  put(F[p].data(), 9);
+  put(&strain_zz[p], 1);
+  put(stress[p].data(), 6);
+  put(strain[p].data(), 6);
+  put(&damage[p], 1);
+  put(&stored[p], 1);
+  put(&dissipated[p], 1);
+  const Slice& slice = slices[slice_of(p)];
+  put(state_.data() + slice.state_begin + std::size_t(p - slice.begin) * slice.n_state, slice.n_state);
+}
+
+void MaterialState::replace(const std::vector<std::vector<double>>& rows_of_slice) {
+  std::size_t points = 0, states = 0;
+  for (std::size_t s = 0; s < slices.size(); ++s) {
+    const std::size_t n = rows_of_slice[s].size() / row_width(static_cast<int>(s));
+    slices[s].begin = static_cast<int>(points);
+    slices[s].end = static_cast<int>(points += n);
+    slices[s].state_begin = states;
+    states += n * slices[s].n_state;
+  }
+  volume.resize(points);
+  length.resize(points);
+  resize_points(points);
+  state_.resize(states);
+  for (std::size_t s = 0; s < slices.size(); ++s) {
+    const double* row = rows_of_slice[s].data();
+    const auto get = [&row](double* values, int n) {
+      std::copy_n(row, n, values);
+      row += n;
+    };
+    for (int p = slices[s].begin; p < slices[s].end; ++p) {
+      get(&volume[p], 1);
+      get(&length[p], 1);
+      get(F[p].data(), 9);
+      get(&strain_zz[p], 1);
+      get(stress[p].data(), 6);
+      get(strain[p].data(), 6);
+      get(&damage[p], 1);
+      get(&stored[p], 1);
+      get(&dissipated[p], 1);
+      get(state_.data() + slices[s].state_begin + std::size_t(p - slices[s].begin) * slices[s].n_state,
+          slices[s].n_state);
+    }
+  }
+  trial_state_ = state_;
+  trial_strain_zz_ = strain_zz;
+  trial_F = F;
 }
 
 double MaterialState::max_damage() const {
@@ -97,40 +213,33 @@ double MaterialState::dissipated_energy() const {
 
 std::vector<double> MaterialState::crack_opening() const {
   std::vector<double> opening(size(), 0.0);
-  for (const Slice& slice : slices)
-    std::visit(
-        [&](const auto& law) {
-          const double E = law.youngs_modulus, nu = law.poisson_ratio;
-          for (int p = slice.begin; p < slice.end; ++p) {
-            const Voigt& s = stress[p];
-            const double mean = nu / E * (s[XX] + s[YY] + s[ZZ]);
-            const double xx = strain[p][XX] - (1.0 + nu) / E * s[XX] + mean;
-            const double yy = strain[p][YY] - (1.0 + nu) / E * s[YY] + mean;
-            const double zz = strain[p][ZZ] - (1.0 + nu) / E * s[ZZ] + mean;
-            const double xy = 0.5 * strain[p][XY] - (1.0 + nu) / E * s[XY];
-            const double in_plane = 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
-            opening[p] = length[p] * std::max({0.0, in_plane, zz});
-          }
-        },
-        slice.law);
+  for_each_law(slices, [&](const auto& law, const Slice& slice) {
+    const double E = law.youngs_modulus, nu = law.poisson_ratio;
+    for (int p = slice.begin; p < slice.end; ++p) {
+      const Mat3 s = response_detail::tensor(stress[p]);
+      Voigt half = strain[p];
+      half.tail<3>() *= 0.5;
+      const Mat3 inelastic =
+          response_detail::tensor(half) - (1.0 + nu) / E * s + nu / E * s.trace() * Mat3::Identity();
+      const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(inelastic, Eigen::EigenvaluesOnly);
+      opening[p] = length[p] * std::max(0.0, spectrum.eigenvalues()[2]);
+    }
+  });
   return opening;
 }
 
 std::vector<double> MaterialState::released_energy_fraction() const {
   std::vector<double> fraction(size(), 0.0);
-  for (const Slice& slice : slices)
-    std::visit(
-        [&](const auto& law) {
-          if constexpr (requires { law.fracture_energy; })
-            for (int p = slice.begin; p < slice.end; ++p) fraction[p] = dissipated[p] * length[p] / law.fracture_energy;
-        },
-        slice.law);
+  for_each_law(slices, [&](const auto& law, const Slice& slice) {
+    if constexpr (requires { law.fracture_energy; })
+      for (int p = slice.begin; p < slice.end; ++p) fraction[p] = dissipated[p] * length[p] / law.fracture_energy;
+  });
   return fraction;
 }
 
 double MaterialState::max_extrapolation_error() const {
   double worst = 0.0;
-  for (const PlaneResponse& r : trial) worst = std::max(worst, r.extrapolation_error);
+  for (const PointResponse& r : trial) worst = std::max(worst, r.extrapolation_error);
   return worst;
 }
 

@@ -2,6 +2,8 @@
 /// Constitutive state at integration points (material points or Gauss points): what was committed at t_n, and the
 /// trial state of the step. Nothing is committed before Newton has converged.
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "law/all.hpp"
@@ -19,7 +21,7 @@ struct Slice {
 };
 
 struct LawSettings {
-  Plane plane = Plane::strain;
+  Space space = Space::plane_strain;
   Kinematics kinematics = Kinematics::finite;
   Integration integration = Integration::implicit;
   double dt = 1.0;
@@ -32,10 +34,13 @@ public:
   int size() const { return static_cast<int>(volume.size()); }
 
   /// Trial response to trial_F. Returns the first status that is not ok.
-  Status respond(const LawSettings& settings, bool tangent);
+  Status respond(const LawSettings& settings);
+  /// Tangent of the trial state of a point, computed anew: a million points of a solid would need 650 MB for theirs.
+  template <int components>
+  void modulus(int p, const LawSettings& settings, Modulus<components>& tangent) const;
   /// Trial state becomes the state.
   void commit();
-  /// Largest and volume-weighted sums over the points.
+  /// Of this process's points: largest, and sums over the volume.
   double max_damage() const;
   double stored_energy() const;            ///< of the committed state [J]
   double dissipated_energy() const;        ///< since the start [J]
@@ -47,19 +52,29 @@ public:
   /// law dissipates more than Gf (compression).
   std::vector<double> released_energy_fraction() const;
 
+  /// Everything that a point of a slice keeps from step to step as a row of doubles: how points travel between processes
+  /// and into checkpoints.
+  int row_width(int slice) const;
+  void write_row(int p, double* row) const;
+  /// Replaces the points of all slices by the given rows, in their order.
+  void replace(const std::vector<std::vector<double>>& rows_of_slice);
+
   std::vector<Slice> slices;
   // per point, committed
   std::vector<double> volume, length;
-  std::vector<Mat2> F;                             ///< deformation gradient (small strain: I + grad u)
-  std::vector<double> strain_zz;                   ///< out of plane
-  std::vector<Voigt> stress;                       ///< Cauchy
-  std::vector<Voigt> strain;                       ///< Hencky or small; engineering shear
+  std::vector<Mat3> F;             ///< deformation gradient (small strain: I + grad u); zz: hoop, 1 in the plane
+  std::vector<double> strain_zz;   ///< plane stress: out of plane
+  std::vector<Voigt> stress;       ///< Cauchy
+  std::vector<Voigt> strain;       ///< Hencky or small; engineering shear
   std::vector<double> damage, stored, dissipated;  ///< energies per reference volume [J/m3]
   // per point, trial
-  std::vector<Mat2> trial_F;
-  std::vector<PlaneResponse> trial;
+  std::vector<Mat3> trial_F;
+  std::vector<PointResponse> trial;
 
 private:
+  int slice_of(int p) const;
+  void resize_points(std::size_t n);
+
   Kinematics kinematics_ = Kinematics::finite;
   std::vector<double> state_, trial_state_, trial_strain_zz_;
 };

@@ -2,92 +2,185 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
+#include "mesh/cell_map.hpp"
 #include "shape/quadrature.hpp"
 
 namespace berm {
 namespace {
 
-std::vector<Vec2> corners(const Mesh& mesh, int cell) {
-  std::vector<Vec2> polygon;
-  for (int k = 0; k < corners_of(mesh.kinds[cell]); ++k) polygon.push_back(mesh.nodes[mesh.cell(cell)[k]]);
-  return polygon;
+struct Part {
+  CellKind kind;
+  Corners corners;
+};
+
+Vec3 place(const Part& cell, const Vec3& xi, double* jacobian = nullptr) {
+  LocalShape s;
+  local_shape(cell.kind, xi, s);
+  Vec3 x = Vec3::Zero();
+  for (int i = 0; i < cell.corners.n; ++i) x += s.N[i] * cell.corners.x[i];
+  if (jacobian) *jacobian = cell_jacobian(cell.corners, dimension_of(cell.kind), s).determinant();
+  return x;
 }
 
-Vec2 bilinear(const std::vector<Vec2>& p, double xi, double eta) {
-  return 0.25 * ((1 - xi) * (1 - eta) * p[0] + (1 + xi) * (1 - eta) * p[1] + (1 + xi) * (1 + eta) * p[2] +
-                 (1 - xi) * (1 + eta) * p[3]);
-}
-
-/// The cell cut into n x n parts (quads) or n^2 similar triangles.
-std::vector<std::vector<Vec2>> parts(const std::vector<Vec2>& cell, int n) {
-  std::vector<std::vector<Vec2>> out;
-  if (cell.size() == 4) {
-    auto at = [&](int i, int j) { return bilinear(cell, -1.0 + 2.0 * i / n, -1.0 + 2.0 * j / n); };
-    for (int j = 0; j < n; ++j)
-      for (int i = 0; i < n; ++i) out.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-    return out;
+double measure_of(const Part& part) {
+  Mesh mesh;
+  std::array<int, 8> list{};
+  for (int i = 0; i < part.corners.n; ++i) {
+    mesh.nodes.push_back(part.corners.x[i]);
+    list[i] = i;
   }
-  auto at = [&](int i, int j) -> Vec2 {
-    return cell[0] + (cell[1] - cell[0]) * (double(i) / n) + (cell[2] - cell[0]) * (double(j) / n);
+  mesh.add_cell(part.kind, list.data());
+  return cell_measure(mesh, 0);
+}
+
+/// A quad or hexahedron cut into n parts a direction.
+std::vector<Part> box_parts(const Part& cell, int n) {
+  std::vector<Part> out;
+  const int layers = dimension_of(cell.kind) == 3 ? n : 1;
+  for (int k = 0; k < layers; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) {
+        Part part{cell.kind, {}};
+        part.corners.n = cell.corners.n;
+        for (int c = 0; c < cell.corners.n; ++c) {
+          const Vec3 step = 0.5 * (Vec3(corner_sign[c][0], corner_sign[c][1], corner_sign[c][2]) + Vec3::Ones());
+          part.corners.x[c] = place(cell, Vec3::Constant(-1.0) + 2.0 / n * (Vec3(i, j, k) + step));
+        }
+        out.push_back(part);
+      }
+  return out;
+}
+
+/// A triangle cut into n^2 similar ones.
+std::vector<Part> triangle_parts(const Part& cell, int n) {
+  const auto& p = cell.corners.x;
+  auto at = [&](int i, int j) -> Vec3 {
+    return p[0] + (p[1] - p[0]) * (double(i) / n) + (p[2] - p[0]) * (double(j) / n);
   };
+  std::vector<Part> out;
   for (int j = 0; j < n; ++j)
     for (int i = 0; i + j < n; ++i) {
-      out.push_back({at(i, j), at(i + 1, j), at(i, j + 1)});
-      if (i + j < n - 1) out.push_back({at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+      out.push_back({cell.kind, {3, {at(i, j), at(i + 1, j), at(i, j + 1)}}});
+      if (i + j < n - 1) out.push_back({cell.kind, {3, {at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}}});
     }
   return out;
 }
 
-double area_of(const std::vector<Vec2>& p) {
-  double twice = 0.0;
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const Vec2 &a = p[k], &b = p[(k + 1) % p.size()];
-    twice += a.x() * b.y() - b.x() * a.y();
+/// A tetrahedron cut into 8 by its mid-edges, as often as gives at least n parts along an edge.
+std::vector<Part> tetrahedron_parts(const Part& cell, int n) {
+  std::vector<Part> out = {cell};
+  for (int divisions = 1; divisions < n; divisions *= 2) {
+    std::vector<Part> finer;
+    for (const Part& t : out) {
+      const auto& p = t.corners.x;
+      const auto mid = [&](int a, int b) -> Vec3 { return 0.5 * (p[a] + p[b]); };
+      const Vec3 m01 = mid(0, 1), m02 = mid(0, 2), m03 = mid(0, 3), m12 = mid(1, 2), m13 = mid(1, 3), m23 = mid(2, 3);
+      const Vec3 parts[8][4] = {{p[0], m01, m02, m03}, {m01, p[1], m12, m13}, {m02, m12, p[2], m23},
+                                {m03, m13, m23, p[3]}, {m01, m13, m03, m02},  {m01, m12, m13, m02},
+                                {m03, m13, m23, m02},  {m13, m12, m23, m02}};
+      for (const auto& q : parts) finer.push_back({t.kind, {4, {q[0], q[1], q[2], q[3]}}});
+    }
+    out = std::move(finer);
   }
-  return 0.5 * twice;
+  return out;
 }
 
-/// Gauss points of an uncut quad cell; on a distorted quad the weights follow the Jacobian.
-void seed_gauss_quad(const std::vector<Vec2>& p, int n, SeededPoints& out) {
-  for (const QuadraturePoint& q : gauss_square(n)) {
-    const double xi = q.xi.x(), eta = q.xi.y();
-    const Vec2 dx = 0.25 * ((1 - eta) * (p[1] - p[0]) + (1 + eta) * (p[2] - p[3]));
-    const Vec2 dy = 0.25 * ((1 - xi) * (p[3] - p[0]) + (1 + xi) * (p[2] - p[1]));
-    out.x.push_back(bilinear(p, xi, eta));
-    out.area.push_back(q.weight * (dx.x() * dy.y() - dx.y() * dy.x()));
+std::vector<Part> parts_of(const Part& cell, int n) {
+  if (!is_simplex(cell.kind)) return box_parts(cell, n);
+  return dimension_of(cell.kind) == 3 ? tetrahedron_parts(cell, n) : triangle_parts(cell, n);
+}
+
+void seed_gauss(const Part& cell, const std::vector<QuadraturePoint>& rule, SeededPoints& out) {
+  for (const QuadraturePoint& q : rule) {
+    double jacobian = 0.0;
+    const Vec3 x = place(cell, q.xi, &jacobian);
+    out.add(x, q.weight * jacobian);
   }
 }
 
-void seed_gauss_triangle(const std::vector<Vec2>& p, int points, SeededPoints& out) {
-  for (const QuadraturePoint& q : gauss_triangle(points)) {
-    out.x.push_back(p[0] + (p[1] - p[0]) * q.xi.x() + (p[2] - p[0]) * q.xi.y());
-    out.area.push_back(q.weight * 2.0 * area_of(p));
+/// The rule of a cell for n points a direction; empty if there is none.
+std::vector<QuadraturePoint> rule_of(CellKind kind, int n) {
+  constexpr int triangle[] = {1, 3, 6, 12};
+  if (n > 4) return {};
+  switch (kind) {
+    case CellKind::tri3:
+      return gauss_triangle(triangle[n - 1]);
+    case CellKind::quad4:
+      return gauss_square(n);
+    case CellKind::tet4:
+      return n <= 2 ? gauss_tetrahedron(n == 1 ? 1 : 4) : std::vector<QuadraturePoint>{};
+    default:
+      return gauss_cube(n);
   }
 }
 
-/// n = 1, 2, 3, 4 points a direction correspond to triangle rules of 1, 3, 6, 12 points.
-int triangle_rule(int per_direction) {
-  const int rules[] = {1, 3, 6, 12};
-  return rules[std::min(per_direction, 4) - 1];
+void seed_whole_cell(const Part& cell, const PointSeeding& seeding, SeededPoints& out) {
+  if (seeding.placement == PointSeeding::Placement::gauss) {
+    const auto rule = rule_of(cell.kind, seeding.per_direction);
+    if (!rule.empty()) return seed_gauss(cell, rule, out);
+  }
+  for (const Part& part : parts_of(cell, seeding.per_direction)) {
+    Vec3 centre = Vec3::Zero();
+    for (int i = 0; i < part.corners.n; ++i) centre += part.corners.x[i] / part.corners.n;
+    out.add(centre, measure_of(part));
+  }
 }
 
-void seed_whole_cell(const std::vector<Vec2>& cell, const PointSeeding& seeding, SeededPoints& out) {
+Part part_of(const Mesh& mesh, int cell) { return {linear_kind(mesh.kinds[cell]), corners(mesh, cell)}; }
+
+constexpr double sliver = 1e-12;  ///< of a part: less is rounding, not material
+
+/// One cell after the other.
+void seed_cells(const Region& region, const Grid& grid, const PointSeeding& seeding, SeededPoints& out) {
+  const Vec3 low = region.min(), high = region.max();
+  for (int c = 0; c < grid.mesh.n_cells(); ++c) {
+    const Part cell = part_of(grid.mesh, c);
+    Vec3 bottom = cell.corners.x[0], top = bottom;
+    for (int i = 1; i < cell.corners.n; ++i) {
+      bottom = bottom.cwiseMin(cell.corners.x[i]);
+      top = top.cwiseMax(cell.corners.x[i]);
+    }
+    if ((bottom.array() > high.array()).any() || (top.array() < low.array()).any()) continue;
+    const double whole = measure_of(cell), inside = region.clip(cell.kind, cell.corners).measure;
+    if (inside <= sliver * whole) continue;
+    if (inside >= (1.0 - sliver) * whole) {
+      seed_whole_cell(cell, seeding, out);
+      continue;
+    }
+    for (const Part& part : parts_of(cell, seeding.per_direction)) {
+      const Piece piece = region.clip(part.kind, part.corners);
+      if (piece.measure > sliver * measure_of(part)) out.add(piece.centroid, piece.measure);
+    }
+  }
+}
+
+/// Grids of boxes: the region is cut into all of them at once.
+void seed_boxes(const SolidRegion& region, const Grid& grid, const PointSeeding& seeding, SeededPoints& out) {
+  const StructuredGrid& spec = *grid.boxes;
   const int n = seeding.per_direction;
-  if (seeding.placement == PointSeeding::Placement::gauss && n <= 4) {
-    if (cell.size() == 4)
-      seed_gauss_quad(cell, n, out);
-    else
-      seed_gauss_triangle(cell, triangle_rule(n), out);
-    return;
-  }
-  for (const auto& part : parts(cell, n)) {
-    Vec2 centre = Vec2::Zero();
-    for (const Vec2& corner : part) centre += corner / static_cast<double>(part.size());
-    out.x.push_back(centre);
-    out.area.push_back(area_of(part));
+  const BoxGrid cells{spec.origin, spec.cell_size, spec.nx, spec.ny, spec.nz};
+  std::vector<char> kind(grid.mesh.n_cells(), 0);  // 1 cut, 2 full
+  const auto index = [&](int i, int j, int k) { return (k * spec.ny + j) * spec.nx + i; };
+  region.for_each_box(cells, [&](int i, int j, int k, const SolidPiece&, bool full) {
+    kind[index(i, j, k)] = full ? 2 : 1;
+  });
+  // Parts of cut cells, by cell: all cells in ascending order, as on any other grid.
+  std::vector<std::pair<int, SolidPiece>> pieces;
+  const BoxGrid fine{spec.origin, spec.cell_size / n, n * spec.nx, n * spec.ny, n * spec.nz};
+  region.for_each_box(fine, [&](int i, int j, int k, const SolidPiece& piece, bool) {
+    const int cell = index(i / n, j / n, k / n);
+    if (kind[cell] == 1) pieces.emplace_back(cell, piece);
+  });
+  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  auto next = pieces.begin();
+  for (int c = 0; c < grid.mesh.n_cells(); ++c) {
+    if (kind[c] == 2) seed_whole_cell(part_of(grid.mesh, c), seeding, out);
+    for (; next != pieces.end() && next->first == c; ++next) out.add(next->second.centroid, next->second.volume);
   }
 }
 
@@ -95,47 +188,47 @@ void seed_whole_cell(const std::vector<Vec2>& cell, const PointSeeding& seeding,
 
 SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointSeeding& seeding,
                             const std::string& body) {
-  const Mesh& mesh = grid.mesh;
-  std::vector<std::vector<Vec2>> cells;
-  cells.reserve(mesh.n_cells());
-  for (int c = 0; c < mesh.n_cells(); ++c) cells.push_back(corners(mesh, c));
-  const std::vector<signed char> inside = region.classify(cells);
-
   SeededPoints out;
-  for (int c = 0; c < mesh.n_cells(); ++c) {
-    if (inside[c] == 0) continue;
-    if (inside[c] == 1) {
-      seed_whole_cell(cells[c], seeding, out);
-      continue;
-    }
-    // Slivers below 1e-12 of the part are rounding, not material.
-    for (const auto& part : parts(cells[c], seeding.per_direction)) {
-      const Piece piece = region.clip(part);
-      if (piece.area <= 1e-12 * area_of(part)) continue;
-      out.x.push_back(piece.centroid);
-      out.area.push_back(piece.area);
-    }
-  }
+  if (region.solid() && grid.boxes)
+    seed_boxes(*region.solid(), grid, seeding, out);
+  else
+    seed_cells(region, grid, seeding, out);
   double sum = 0.0;
-  for (double a : out.area) sum += a;
-  if (std::abs(sum - region.area()) > 1e-6 * region.area())
-    throw InputError(fmt::format(
-        "body \"{}\" has an area of {:.6g} m2, but only {:.6g} m2 lie inside the background grid: make the grid larger",
-        body, region.area(), sum));
+  for (double m : out.measure) sum += m;
+  if (std::abs(sum - region.measure()) > 1e-6 * region.measure()) {
+    const bool solid = region.dimension() == 3;
+    throw InputError(
+        fmt::format("body \"{}\" has {} of {:.6g} {}, but only {:.6g} {} lie inside the background grid: make the grid "
+                    "larger",
+                    body, solid ? "a volume" : "an area", region.measure(), solid ? "m3" : "m2", sum,
+                    solid ? "m3" : "m2"));
+  }
   return out;
 }
 
 SeededPoints seed_from_mesh(const Mesh& mesh, int per_element) {
   SeededPoints out;
-  const int n = static_cast<int>(std::lround(std::sqrt(per_element)));
+  const int square = static_cast<int>(std::lround(std::sqrt(per_element)));
+  const int cube = static_cast<int>(std::lround(std::cbrt(per_element)));
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const std::vector<Vec2> cell = corners(mesh, c);
-    if (cell.size() == 4 && n * n != per_element)
-      throw InputError(fmt::format("a quad takes 1, 4, 9 or 16 points, not {}", per_element));
-    if (cell.size() == 4)
-      seed_gauss_quad(cell, n, out);
-    else
-      seed_gauss_triangle(cell, per_element, out);
+    const Part cell = part_of(mesh, c);
+    switch (cell.kind) {
+      case CellKind::tri3:
+        seed_gauss(cell, gauss_triangle(per_element), out);
+        break;
+      case CellKind::tet4:
+        seed_gauss(cell, gauss_tetrahedron(per_element), out);
+        break;
+      case CellKind::quad4:
+        if (square * square != per_element)
+          throw InputError(fmt::format("a quad takes 1, 4, 9 or 16 points, not {}", per_element));
+        seed_gauss(cell, gauss_square(square), out);
+        break;
+      default:
+        if (cube * cube * cube != per_element || cube > 3)
+          throw InputError(fmt::format("a hexahedron takes 1, 8 or 27 points, not {}", per_element));
+        seed_gauss(cell, gauss_cube(cube), out);
+    }
   }
   return out;
 }
@@ -147,27 +240,26 @@ void fit_to_cells(SeededPoints& points, const Region& region, const Grid& grid) 
     const int cell = grid.locator->locate(points.x[p], -1);
     if (cell >= 0) in_cell[cell].push_back(static_cast<int>(p));
   }
-  points.shift.assign(points.x.size(), Vec2::Zero());
+  points.shift.assign(points.x.size(), Vec3::Zero());
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const std::vector<Vec2> polygon = corners(mesh, c);
-    const Piece piece = region.clip(polygon);
-    // A point on the very edge of a cell that the body does not enter keeps its own area.
-    if (piece.area <= 1e-9 * area_of(polygon)) continue;
+    const Part cell = part_of(mesh, c);
+    const Piece piece = region.clip(cell.kind, cell.corners);
+    // A point on the very edge of a cell that the body does not enter keeps its own measure.
+    if (piece.measure <= 1e-9 * measure_of(cell)) continue;
     if (in_cell[c].empty()) {
-      points.x.push_back(piece.centroid);
-      points.area.push_back(piece.area);
-      points.shift.push_back(Vec2::Zero());
+      points.add(piece.centroid, piece.measure);
+      points.shift.push_back(Vec3::Zero());
       continue;
     }
-    double area = 0.0;
-    Vec2 mean = Vec2::Zero();
+    double sum = 0.0;
+    Vec3 mean = Vec3::Zero();
     for (int p : in_cell[c]) {
-      area += points.area[p];
-      mean += points.area[p] * points.x[p];
+      sum += points.measure[p];
+      mean += points.measure[p] * points.x[p];
     }
-    mean /= area;
+    mean /= sum;
     for (int p : in_cell[c]) {
-      points.area[p] *= piece.area / area;
+      points.measure[p] *= piece.measure / sum;
       points.shift[p] = piece.centroid - mean;
     }
   }
