@@ -13,7 +13,7 @@
 #include "law/point_response.hpp"
 #include "mesh/gmsh.hpp"
 #include "mesh/grid.hpp"
-#include "mesh/plane_region.hpp"
+#include "mesh/region.hpp"
 
 namespace berm {
 

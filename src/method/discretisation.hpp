@@ -91,6 +91,7 @@ public:
   Halo halo;                ///< the local nodes of this step
   std::vector<Vec3> nodes;  ///< positions of the local nodes at reference
   Blocks blocks;            ///< connectivity of this step, in local nodes
+  long connectivity = 0;    ///< grows whenever halo or blocks change
   MaterialState material;
 
 protected:

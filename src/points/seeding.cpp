@@ -163,23 +163,23 @@ void seed_cells(const Region& region, const Grid& grid, const PointSeeding& seed
 void seed_boxes(const SolidRegion& region, const Grid& grid, const PointSeeding& seeding, SeededPoints& out) {
   const StructuredGrid& spec = *grid.boxes;
   const int n = seeding.per_direction;
-  const BoxGrid cells{spec.origin, spec.cell_size, spec.nx, spec.ny, spec.nz};
-  std::vector<char> kind(grid.mesh.n_cells(), 0);  // 1 cut, 2 full
   const auto index = [&](int i, int j, int k) { return (k * spec.ny + j) * spec.nx + i; };
-  region.for_each_box(cells, [&](int i, int j, int k, const SolidPiece&, bool full) {
-    kind[index(i, j, k)] = full ? 2 : 1;
-  });
+  enum Kind : char { empty, cut, whole };
+  std::vector<Kind> kind(grid.mesh.n_cells(), empty);
+  BoxGrid boxes{spec.origin, spec.cell_size, {spec.nx, spec.ny, spec.nz}, {1, 1, 1}};
+  region.for_each_box(
+      boxes, [&](int i, int j, int k, const SolidPiece&, bool full) { kind[index(i, j, k)] = full ? whole : cut; });
   // Parts of cut cells, by cell: all cells in ascending order, as on any other grid.
   std::vector<std::pair<int, SolidPiece>> pieces;
-  const BoxGrid fine{spec.origin, spec.cell_size / n, n * spec.nx, n * spec.ny, n * spec.nz};
-  region.for_each_box(fine, [&](int i, int j, int k, const SolidPiece& piece, bool) {
+  boxes.divisions = {n, n, n};
+  region.for_each_box(boxes, [&](int i, int j, int k, const SolidPiece& piece, bool) {
     const int cell = index(i / n, j / n, k / n);
-    if (kind[cell] == 1) pieces.emplace_back(cell, piece);
+    if (kind[cell] == cut) pieces.emplace_back(cell, piece);
   });
   std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   auto next = pieces.begin();
   for (int c = 0; c < grid.mesh.n_cells(); ++c) {
-    if (kind[c] == 2) seed_whole_cell(part_of(grid.mesh, c), seeding, out);
+    if (kind[c] == whole) seed_whole_cell(part_of(grid.mesh, c), seeding, out);
     for (; next != pieces.end() && next->first == c; ++next) out.add(next->second.centroid, next->second.volume);
   }
 }

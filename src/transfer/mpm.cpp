@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -10,330 +11,653 @@
 #include "shape/linear.hpp"
 
 namespace berm {
+namespace {
 
-MpmDiscretisation::MpmDiscretisation(Grid grid, double ghost_penalty, Formulation formulation)
-    : grid_(std::move(grid)),
+std::string text_of(const Vec3& x, int dimension) {
+  return dimension == 3 ? fmt::format("({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z())
+                        : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
+}
+
+/// A point's row: id, X, x, u, mass, measure, home, shift, then what the material keeps.
+constexpr int own_width = 1 + 3 + 3 + 3 + 1 + 1 + 1 + 3;
+
+}  // namespace
+
+MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalty, Formulation formulation,
+                                     const Comm& comm)
+    : Discretisation(comm),
+      grid_(std::move(grid)),
+      space_(space),
       ghost_penalty_(ghost_penalty),
       total_lagrangian_(formulation == Formulation::total_lagrangian) {
-  nodes = grid_.mesh.nodes;
-  active.assign(nodes.size(), 0);
   active_index_.assign(grid_.mesh.n_cells(), -1);
+  local_node_.assign(grid_.mesh.n_nodes(), -1);
   double sum = 0.0;
+  int most_nodes = 0;
   for (int c = 0; c < grid_.mesh.n_cells(); ++c) {
-    cell_area_.push_back(cell_area(grid_.mesh, c));
-    sum += cell_area_.back() * (corners_of(grid_.mesh.kinds[c]) == 3 ? 2.0 : 1.0);
+    const CellKind kind = grid_.mesh.kinds[c];
+    const double edge = edge_length(kind, cell_measure(grid_.mesh, c));
+    sum += dimension() == 3 ? edge * edge * edge : edge * edge;
+    most_nodes = std::max(most_nodes, nodes_of(kind));
   }
-  cell_size_ = std::sqrt(sum / grid_.mesh.n_cells());
-  grid_edges_ = interior_edges(grid_.mesh);
+  cell_size_ = std::pow(sum / grid_.mesh.n_cells(), 1.0 / dimension());
+  stride_ = most_nodes * (1 + dimension());
 }
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
                                  double thickness) {
-  const double youngs = std::visit([](const auto& law) { return law.youngs_modulus; }, spec.law);
+  youngs_of_slice_.push_back(std::visit([](const auto& law) { return law.youngs_modulus; }, spec.law) * thickness);
+  const bool mine = comm_.is_root();
   std::vector<double> volume, length;
   for (std::size_t p = 0; p < points.x.size(); ++p) {
-    const int cell = grid_.locator->locate(points.x[p], -1);
+    const Vec3& x = points.x[p];
+    const int cell = grid_.locator->locate(x, -1);
     if (cell < 0)
       throw InputError(
-          fmt::format("body \"{}\": a material point at ({:.6g}, {:.6g}) lies outside the background grid: "
-                      "make the grid larger or move the body",
-                      name, points.x[p].x(), points.x[p].y()));
-    volume.push_back(points.area[p] * thickness);
-    length.push_back(crack_band_length(spec, grid_.mesh, cell));
-    const std::string problem = std::visit([&](const auto& law) { return law.check(length.back()); }, spec.law);
+          fmt::format("body \"{}\": a material point at {} lies outside the background grid: make the grid larger or "
+                      "move the body",
+                      name, text_of(x, dimension())));
+    const double l = crack_band_length(spec, grid_.mesh, cell);
+    const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
-    X_.push_back(points.x[p]);
-    x_.push_back(points.x[p]);
-    u_.push_back(Vec2::Zero());
+    if (!mine) continue;
+    // Around an axis the point stands for a ring (Pappus: exact for the centroid of its part).
+    volume.push_back(points.measure[p] * (space_ == Space::axisymmetric ? 2.0 * M_PI * x.x() : thickness));
+    length.push_back(l);
+    id_.push_back(n_points_ + static_cast<std::int64_t>(p));
+    X_.push_back(x);
+    x_.push_back(x);
+    u_.push_back(Vec3::Zero());
     mass_.push_back(spec.density * volume.back());
-    area_.push_back(points.area[p]);
-    youngs_.push_back(youngs * thickness);
+    measure_.push_back(points.measure[p]);
     cell_.push_back(cell);
     home_.push_back(points.shift.empty() ? -1 : cell);
-    shift_.push_back(points.shift.empty() ? Vec2::Zero() : points.shift[p]);
+    shift_.push_back(points.shift.empty() ? Vec3::Zero() : points.shift[p]);
   }
+  n_points_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);
-  shape_.resize(x_.size());
-  push_.resize(x_.size());
+  numbered_ = false;
 }
 
-void MpmDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
-  for (std::size_t p = 0; p < x_.size(); ++p) {
-    if (total_lagrangian_) break;  // the cells of the start hold
-    cell_[p] = grid_.locator->locate(x_[p], cell_[p]);
-    if (cell_[p] < 0)
-      throw RunError(
-          fmt::format("material point {} has left the background grid at ({:.6g}, {:.6g}): make the grid "
-                      "larger, or stop the run earlier",
-                      p, x_[p].x(), x_[p].y()));
+// ---- points and processes
+
+int MpmDiscretisation::row_width(int slice) const { return own_width + material.row_width(slice); }
+
+std::vector<double> MpmDiscretisation::point_rows(int slice) const {
+  const Slice& s = material.slices[slice];
+  const int width = row_width(slice);
+  std::vector<double> rows(std::size_t(s.end - s.begin) * width);
+  for (int p = s.begin; p < s.end; ++p) {
+    double* row = rows.data() + std::size_t(p - s.begin) * width;
+    *row++ = static_cast<double>(id_[p]);
+    for (const Vec3* v : {&X_[p], &x_[p], &u_[p]}) row = std::copy_n(v->data(), 3, row);
+    *row++ = mass_[p];
+    *row++ = measure_[p];
+    *row++ = home_[p];
+    row = std::copy_n(shift_[p].data(), 3, row);
+    material.write_row(p, row);
   }
-  for (Anchor* a : anchors) {
-    a->cell = grid_.locator->locate(seen(*a) + 1e-6 * cell_size_ * a->inward, a->cell);
-    if (a->cell < 0)
-      throw RunError(
-          fmt::format("a surface point has left the background grid at ({:.6g}, {:.6g}): make the grid larger",
-                      a->x.x(), a->x.y()));
-  }
-  sort_points(anchors);
-  evaluate_shapes();
-  for (Anchor* a : anchors) {
-    Shape4 shape{};
-    linear_shape(grid_.mesh, a->cell, seen(*a), shape);
-    a->block = active_index_[a->cell];
-    a->stencil.n = shape.n;
-    for (int k = 0; k < shape.n; ++k) {
-      a->stencil.node[k] = shape.nodes[k];
-      a->stencil.N[k] = shape.N[k];
+  return rows;
+}
+
+/// The points of all slices from rows; ascending ids make sums independent of the way the points came.
+void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& rows_of_slice) {
+  id_.clear(), X_.clear(), x_.clear(), u_.clear(), mass_.clear(), measure_.clear(), home_.clear(), shift_.clear();
+  std::vector<std::vector<double>> material_rows(rows_of_slice.size());
+  for (std::size_t s = 0; s < rows_of_slice.size(); ++s) {
+    const int width = row_width(static_cast<int>(s));
+    const std::vector<double>& rows = rows_of_slice[s];
+    std::vector<std::size_t> order(rows.size() / width);
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k * width;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rows[a] < rows[b]; });
+    material_rows[s].reserve(order.size() * (width - own_width));
+    for (const std::size_t at : order) {
+      const double* row = rows.data() + at;
+      id_.push_back(static_cast<std::int64_t>(*row++));
+      for (auto* list : {&X_, &x_, &u_}) {
+        list->emplace_back(row[0], row[1], row[2]);
+        row += 3;
+      }
+      mass_.push_back(*row++);
+      measure_.push_back(*row++);
+      home_.push_back(static_cast<int>(*row++));
+      shift_.emplace_back(row[0], row[1], row[2]);
+      row += 3;
+      material_rows[s].insert(material_rows[s].end(), row, rows.data() + at + width);
     }
   }
+  material.replace(material_rows);
+  cell_.assign(id_.size(), -1);
+}
+
+void MpmDiscretisation::find_cells() {
+  comm_.agree([&] {
+    for (std::size_t p = 0; p < x_.size(); ++p) {
+      if (total_lagrangian_ && cell_[p] >= 0) continue;  // the cells of the start hold
+      cell_[p] = grid_.locator->locate(total_lagrangian_ ? X_[p] : x_[p], cell_[p]);
+      if (cell_[p] < 0)
+        throw RunError(
+            fmt::format("material point {} has left the background grid at {}: make the grid larger, or stop the run "
+                        "earlier",
+                        id_[p], text_of(x_[p], dimension())));
+    }
+  });
+}
+
+/// Cuts the grid anew where the points are.
+void MpmDiscretisation::share_cells(double rebalance) {
+  most_loaded_ = Partition::imbalance(comm_, static_cast<double>(x_.size()));
+  if (shared_out_ && most_loaded_ <= rebalance) return;
+  std::map<int, int> points_of_cell;
+  for (int c : cell_) ++points_of_cell[c];
+  std::vector<Vec3> places;
+  std::vector<double> weights;
+  for (const auto& [cell, n] : points_of_cell) {
+    places.push_back(cell_centre(grid_.mesh, cell));
+    weights.push_back(n);
+  }
+  partition_.balance(comm_, dimension(), places, weights);
+  shared_out_ = true;
+  numbered_ = false;
+}
+
+void MpmDiscretisation::send_points() {
+  const int n_slices = static_cast<int>(material.slices.size());
+  std::vector<int> owner(x_.size());
+  bool leaving = false;
+  for (std::size_t p = 0; p < x_.size(); ++p) {
+    owner[p] = owner_of_cell(cell_[p]);
+    leaving = leaving || owner[p] != comm_.rank();
+  }
+  if (!comm_.any(leaving)) return;
+  std::vector<std::vector<double>> mine(n_slices);
+  for (int s = 0; s < n_slices; ++s) {
+    const std::vector<double> rows = point_rows(s);
+    const int width = row_width(s), begin = material.slices[s].begin;
+    std::vector<std::vector<double>> to(comm_.size());
+    for (std::size_t k = 0; k * width < rows.size(); ++k) {
+      const int target = owner[begin + k];
+      auto& list = target == comm_.rank() ? mine[s] : to[target];
+      list.insert(list.end(), rows.begin() + k * width, rows.begin() + (k + 1) * width);
+    }
+    for (const auto& rows_from : comm_.exchange(to)) mine[s].insert(mine[s].end(), rows_from.begin(), rows_from.end());
+  }
+  place_points(mine);
+  find_cells();
+}
+
+void MpmDiscretisation::move_points(double rebalance) {
+  find_cells();
+  if (comm_.size() == 1) return;
+  share_cells(rebalance);
+  send_points();
+  most_loaded_ = Partition::imbalance(comm_, static_cast<double>(x_.size()));
+}
+
+void MpmDiscretisation::restore_points(const std::vector<std::vector<double>>& rows_of_slice) {
+  place_points(rows_of_slice);
+  shared_out_ = numbered_ = false;
+}
+
+int MpmDiscretisation::locate(Anchor& a) const {
+  a.cell = grid_.locator->locate(seen(a) + 1e-6 * cell_size_ * a.inward, a.cell);
+  if (a.cell < 0)
+    throw RunError(fmt::format("a surface point has left the background grid at {}: make the grid larger",
+                               text_of(a.x, dimension())));
+  return owner_of_cell(a.cell);
+}
+
+std::vector<Vec3> MpmDiscretisation::points_inside(const Region& region, const std::string& body) const {
+  return seed_from_grid(region, grid_, {}, body).x;
+}
+
+// ---- connectivity
+
+void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
+  sort_points(anchors);
+  evaluate_shapes();
+  remote_.clear();
+  if (comm_.size() > 1 && ghost_penalty_ > 0.0) ask_neighbours();
   build_faces();
+  number_nodes();
+  attach(anchors);
 }
 
 /// Counting sort of the points by cell; cells of anchors are active even without points.
 void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
-  const int n_cells = grid_.mesh.n_cells();
-  std::vector<int> count(n_cells, 0);
-  std::vector<char> used(n_cells, 0);
-  for (int c : cell_) {
-    ++count[c];
-    used[c] = 1;
-  }
-  for (const Anchor* a : anchors) used[a->cell] = 1;
-
+  for (int c : active_cells_) active_index_[c] = -1;
   active_cells_.clear();
-  first_.assign(1, 0);
-  blocks = Blocks{};
-  std::fill(active.begin(), active.end(), 0);
-  for (int c = 0; c < n_cells; ++c) {
-    active_index_[c] = -1;
-    if (!used[c]) continue;
-    active_index_[c] = static_cast<int>(active_cells_.size());
+  const auto activate = [&](int c) {
+    if (active_index_[c] >= 0) return;
+    active_index_[c] = 0;
     active_cells_.push_back(c);
-    first_.push_back(first_.back() + count[c]);
-    const std::span<const int> list(grid_.mesh.cell(c), nodes_of(grid_.mesh.kinds[c]));
-    blocks.add(list);
-    for (int node : list) active[node] = 1;
-  }
-  holds_rigid_.assign(active_cells_.size(), 0);
-  for (const Anchor* a : anchors)
-    if (a->rigid) holds_rigid_[active_index_[a->cell]] = 1;
-  order_.resize(x_.size());
-  std::vector<int> fill(first_.begin(), first_.end() - 1);
-  for (std::size_t p = 0; p < x_.size(); ++p) order_[fill[active_index_[cell_[p]]]++] = static_cast<int>(p);
-}
+  };
+  for (int c : cell_) activate(c);
+  for (const Anchor* a : anchors) activate(a->cell);
+  std::sort(active_cells_.begin(), active_cells_.end());
+  for (std::size_t k = 0; k < active_cells_.size(); ++k) active_index_[active_cells_[k]] = static_cast<int>(k);
 
-std::vector<Vec2> MpmDiscretisation::points_inside(const Region& region, const std::string& body) const {
-  return seed_from_grid(region, grid_, {}, body).x;
+  first_.assign(active_cells_.size() + 1, 0);
+  for (int c : cell_) ++first_[active_index_[c] + 1];
+  for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+  order_.resize(x_.size());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (std::size_t p = 0; p < x_.size(); ++p) order_[next[active_index_[cell_[p]]]++] = static_cast<int>(p);
+
+  cells_.assign(active_cells_.size(), {});
+  for (const Anchor* a : anchors)
+    if (a->rigid) cells_[active_index_[a->cell]].holds_rigid = 1;
 }
 
 void MpmDiscretisation::evaluate_shapes() {
-  Shape4 shape{};
-  fill_.assign(active_cells_.size(), 0.0);
-  cell_stiffness_.assign(active_cells_.size(), 0.0);
+  shape_.resize(x_.size() * stride_);
+  push_.resize(x_.size(), Mat3::Identity());
+  const int d = dimension();
+  comm_.agree([&] {
+    Shape8 shape{};
+    for (std::size_t a = 0; a < active_cells_.size(); ++a)
+      for (int p : points_in(static_cast<int>(a))) {
+        if (!linear_shape(grid_.mesh, active_cells_[a], seen(p), shape))
+          throw RunError(fmt::format("cell {} of the background grid is too distorted", active_cells_[a]));
+        double* s = shape_.data() + std::size_t(p) * stride_;
+        s = std::copy_n(shape.N.begin(), shape.n, s);
+        for (int k = 0; k < shape.n; ++k) s = std::copy_n(shape.grad[k].data(), d, s);
+      }
+  });
+  int slice = 0;
+  std::vector<double> measure(active_cells_.size(), 0.0);
+  for (std::size_t p = 0; p < x_.size(); ++p) {
+    while (static_cast<int>(p) >= material.slices[slice].end) ++slice;
+    const int a = active_index_[cell_[p]];
+    measure[a] += measure_[p];
+    cells_[a].stiffness += measure_[p] * youngs_of_slice_[slice] * (1.0 - material.damage[p]);
+  }
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    double area = 0.0, stiffness = 0.0;
-    for (int p : points_in(static_cast<int>(a))) {
-      if (!linear_shape(grid_.mesh, active_cells_[a], seen(p), shape))
-        throw RunError(fmt::format("cell {} of the background grid is too distorted", active_cells_[a]));
-      shape_[p] = {shape.N, shape.grad};
-      area += area_[p];
-      stiffness += area_[p] * youngs_[p] * (1.0 - material.damage[p]);
-    }
-    fill_[a] = area / cell_area_[active_cells_[a]];
-    cell_stiffness_[a] = area > 0.0 ? stiffness / area : 0.0;
+    cells_[a].fill = measure[a] / cell_measure(grid_.mesh, active_cells_[a]);
+    if (measure[a] > 0.0) cells_[a].stiffness /= measure[a];
   }
 }
 
-/// Ghost stabilisation (Burman 2010; for MPM: Coombs 2023): faces between active cells of which one is cut.
+/// Tells the owners of neighbouring cells about the active cells at the border.
+void MpmDiscretisation::ask_neighbours() {
+  std::vector<std::vector<double>> to(comm_.size());
+  std::vector<int> told(comm_.size(), -1);
+  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+    const int cell = active_cells_[a];
+    for (int f = 0; f < max_faces; ++f) {
+      const int other = grid_.neighbours[std::size_t(max_faces) * cell + f];
+      if (other < 0 || active_index_[other] >= 0) continue;
+      const int rank = owner_of_cell(other);
+      if (rank == comm_.rank() || told[rank] == cell) continue;
+      told[rank] = cell;
+      const CellState& s = cells_[a];
+      to[rank].insert(to[rank].end(), {double(cell), s.fill, s.stiffness, double(s.holds_rigid)});
+    }
+  }
+  for (const auto& from : comm_.exchange(to))
+    for (std::size_t k = 0; k < from.size(); k += 4)
+      remote_[static_cast<int>(from[k])] = {from[k + 1], from[k + 2], static_cast<int>(from[k + 3])};
+}
+
+const MpmDiscretisation::CellState* MpmDiscretisation::cell_state(int cell) const {
+  if (active_index_[cell] >= 0) return &cells_[active_index_[cell]];
+  const auto found = remote_.find(cell);
+  return found == remote_.end() ? nullptr : &found->second;
+}
+
+/// Ghost stabilisation (Burman 2010; for MPM: Coombs 2023): faces between active cells of which one is cut. A face
+/// belongs to the process of the cell with the lower number.
 void MpmDiscretisation::build_faces() {
   faces_.clear();
   if (ghost_penalty_ <= 0.0) return;
   constexpr double whole = 0.9;  // filled more than this: a cell does not need help
-  const double g = 1.0 / std::sqrt(3.0);
-  Shape4 sa{}, sb{};
-  for (const InteriorEdge& e : grid_edges_) {
-    const int a = active_index_[e.cell_a], b = active_index_[e.cell_b];
-    if (a < 0 || b < 0 || (fill_[a] > whole && fill_[b] > whole) || holds_rigid_[a] || holds_rigid_[b]) continue;
-    const Vec2 p0 = nodes[e.node_a], p1 = nodes[e.node_b];
-    const double length = (p1 - p0).norm();
-    const Vec2 normal(-(p1 - p0).y() / length, (p1 - p0).x() / length);
-
-    Face face;
-    face.cell_a = a;
-    face.cell_b = b;
-    // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's
-    // value.
-    const double ka = cell_stiffness_[a], kb = cell_stiffness_[b];
-    const double stiffness = ka > 0.0 && kb > 0.0 ? std::min(ka, kb) : std::max(ka, kb);
-    face.weight = ghost_penalty_ * stiffness * length * 0.5 * length;
-
-    std::array<int, 8> list{};
-    int n = 0;
-    for (int q = 0; q < 2; ++q) {
-      const Vec2 x = 0.5 * (p0 + p1) + (q == 0 ? -0.5 : 0.5) * g * (p1 - p0);
-      linear_shape(grid_.mesh, e.cell_a, x, sa);
-      linear_shape(grid_.mesh, e.cell_b, x, sb);
-      if (q == 0) {
-        n = sa.n;
-        std::copy_n(sa.nodes.begin(), sa.n, list.begin());
-        for (int k = 0; k < sb.n; ++k)
-          if (std::find(list.begin(), list.begin() + n, sb.nodes[k]) == list.begin() + n) list[n++] = sb.nodes[k];
-      }
-      face.jump[q].fill(0.0);
-      for (int k = 0; k < n; ++k) {
-        for (int i = 0; i < sa.n; ++i)
-          if (sa.nodes[i] == list[k]) face.jump[q][k] += sa.grad[i].dot(normal);
-        for (int i = 0; i < sb.n; ++i)
-          if (sb.nodes[i] == list[k]) face.jump[q][k] -= sb.grad[i].dot(normal);
-      }
+  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+    const int cell = active_cells_[a];
+    const CellState& sa = cells_[a];
+    for (int f = 0; f < max_faces; ++f) {
+      const int other = grid_.neighbours[std::size_t(max_faces) * cell + f];
+      if (other < cell) continue;
+      const CellState* sb = cell_state(other);
+      if (!sb || (sa.fill > whole && sb->fill > whole) || sa.holds_rigid || sb->holds_rigid) continue;
+      // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's
+      // value.
+      const double ka = sa.stiffness, kb = sb->stiffness;
+      const double stiffness = ka > 0.0 && kb > 0.0 ? std::min(ka, kb) : std::max(ka, kb);
+      faces_.push_back(make_face(cell, f, other, ghost_penalty_ * stiffness));
     }
-    face.block = blocks.size();
-    blocks.add({list.data(), static_cast<std::size_t>(n)});
-    faces_.push_back(face);
   }
+}
+
+/// penalty: gamma E (plane: times thickness) [Pa or N/m].
+MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int cell_b, double penalty) const {
+  const Mesh& mesh = grid_.mesh;
+  const FaceCorners& corner = faces_of(mesh.kinds[cell_a])[local];
+  const double g = 1.0 / std::sqrt(3.0);
+  std::array<Vec3, 4> p;
+  for (int k = 0; k < corner.n; ++k) p[k] = mesh.nodes[mesh.cell(cell_a)[corner.corner[k]]];
+
+  Face face;
+  face.cell_a = cell_a;
+  face.cell_b = cell_b;
+  Vec3 normal;
+  double area = 0.0;
+  std::array<Vec3, most_face_points> at;
+  if (dimension() == 2) {
+    const Vec3 along = p[1] - p[0];
+    area = along.norm();
+    normal = Vec3(along.y(), -along.x(), 0.0) / area;
+    face.n_points = 2;
+    for (int q = 0; q < 2; ++q) at[q] = 0.5 * (p[0] + p[1]) + (q == 0 ? -0.5 : 0.5) * g * along;
+  } else if (corner.n == 3) {  // gradients are constant: one point
+    const Vec3 twice = (p[1] - p[0]).cross(p[2] - p[0]);
+    area = 0.5 * twice.norm();
+    normal = twice.normalized();
+    face.n_points = 1;
+    at[0] = (p[0] + p[1] + p[2]) / 3.0;
+  } else {
+    const Vec3 twice = (p[2] - p[0]).cross(p[3] - p[1]);
+    area = 0.5 * twice.norm();
+    normal = twice.normalized();
+    face.n_points = 4;
+    for (int q = 0; q < 4; ++q) {
+      const double xi = g * corner_sign[q][0], eta = g * corner_sign[q][1];
+      at[q].setZero();
+      for (int k = 0; k < 4; ++k)
+        at[q] += 0.25 * (1.0 + corner_sign[k][0] * xi) * (1.0 + corner_sign[k][1] * eta) * p[k];
+    }
+  }
+  // Length of the face: the h of (14).
+  const double h = dimension() == 2 ? area : std::sqrt(corner.n == 3 ? 2.0 * area : area);
+  // Around an axis the face is a ring.
+  const double ring = space_ == Space::axisymmetric ? 2.0 * M_PI * 0.5 * (p[0].x() + p[1].x()) : 1.0;
+  const double root = std::sqrt(penalty * h * area / face.n_points * ring);
+
+  Shape8 sa{}, sb{};
+  for (int q = 0; q < face.n_points; ++q) {
+    linear_shape(mesh, cell_a, at[q], sa);
+    linear_shape(mesh, cell_b, at[q], sb);
+    if (q == 0) {
+      std::copy_n(sa.nodes.begin(), sa.n, face.node.begin());
+      face.n = sa.n;
+      for (int k = 0; k < sb.n; ++k)
+        if (std::find(sa.nodes.begin(), sa.nodes.begin() + sa.n, sb.nodes[k]) == sa.nodes.begin() + sa.n)
+          face.node[face.n++] = sb.nodes[k];
+    }
+    auto& jump = face.jump[q];
+    jump.fill(0.0);
+    for (int k = 0; k < face.n; ++k) {
+      for (int i = 0; i < sa.n; ++i)
+        if (sa.nodes[i] == face.node[k]) jump[k] += root * sa.grad[i].dot(normal);
+      for (int i = 0; i < sb.n; ++i)
+        if (sb.nodes[i] == face.node[k]) jump[k] -= root * sb.grad[i].dot(normal);
+    }
+  }
+  return face;
+}
+
+/// Local nodes and blocks, unless cells and faces are the same as in the last step on all processes.
+void MpmDiscretisation::number_nodes() {
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    faces_[f].block = static_cast<int>(active_cells_.size() + f);
+    pairs.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
+  }
+  if (comm_.all(numbered_ && active_cells_ == numbered_cells_ && pairs == numbered_faces_)) return;
+  numbered_cells_ = active_cells_;
+  numbered_faces_ = std::move(pairs);
+  numbered_ = true;
+  ++connectivity;
+
+  const Mesh& mesh = grid_.mesh;
+  std::vector<char> touched(mesh.n_nodes(), 0);
+  for (int c : active_cells_)
+    for (int node : mesh.nodes_of_cell(c)) touched[node] = 1;
+  for (const Face& f : faces_)
+    for (int k = 0; k < f.n; ++k) touched[f.node[k]] = 1;
+  std::vector<std::int64_t> ids;
+  for (int node = 0; node < mesh.n_nodes(); ++node)
+    if (touched[node]) ids.push_back(node);
+  for (std::int64_t id : halo.ids) local_node_[id] = -1;
+  halo = build_halo(comm_, ids, [&](std::int64_t id) { return partition_.owner(mesh.nodes[id]); });
+  nodes.clear();
+  for (int i = 0; i < halo.size(); ++i) {
+    local_node_[halo.ids[i]] = i;
+    nodes.push_back(mesh.nodes[halo.ids[i]]);
+  }
+
+  blocks = Blocks{};
+  std::array<int, most_face_nodes> list;
+  const auto add_block = [&](const int* grid_nodes, int n) {
+    for (int k = 0; k < n; ++k) list[k] = local_node_[grid_nodes[k]];
+    blocks.add({list.data(), static_cast<std::size_t>(n)});
+  };
+  for (int c : active_cells_) add_block(mesh.cell(c), nodes_of(mesh.kinds[c]));
+  for (const Face& f : faces_) add_block(f.node.data(), f.n);
+}
+
+void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) const {
+  Shape8 shape{};
+  for (Anchor* a : anchors) {
+    linear_shape(grid_.mesh, a->cell, seen(*a), shape);
+    a->block = active_index_[a->cell];
+    a->stencil.n = shape.n;
+    for (int k = 0; k < shape.n; ++k) {
+      a->stencil.node[k] = local_node_[shape.nodes[k]];
+      a->stencil.N[k] = shape.N[k];
+    }
+  }
+}
+
+// ---- kernels
+
+template <class Work>
+void MpmDiscretisation::with_space(Work work) const {
+  if (space_ == Space::solid)
+    work.template operator()<3, false>();
+  else if (space_ == Space::axisymmetric)
+    work.template operator()<2, true>();
+  else
+    work.template operator()<2, false>();
+}
+
+/// Hoop strain of a unit radial displacement of node k: N / r, on the axis its limit dN/dr.   [formulation (27)]
+double MpmDiscretisation::hoop_gradient(const double* s, int n, double r, int k) const {
+  return r > 1e-9 * cell_size_ ? s[k] / r : s[n + 2 * k];
 }
 
 /// F_{n+1} = (I + grad_n du) F_n and grad_{n+1} N = dF^-T grad_n N   [formulation (5), (7)];
-/// small strain: F_{n+1} = F_n + grad du on the frozen configuration.
+/// small strain: F_{n+1} = F_n + grad du on the frozen configuration; total: by reference coordinates, (25).
+template <int dimension, bool hoop>
 void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinematics) {
+  std::array<Vec3, 8> d;
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     const int n = static_cast<int>(list.size());
-    std::array<Vec2, 4> d;
     for (int k = 0; k < n; ++k) d[k] = du[list[k]];
     for (int p : points_in(static_cast<int>(a))) {
-      const Gradients& s = shape_[p];
-      Mat2 grad = d[0] * s.grad[0].transpose();
-      for (int k = 1; k < n; ++k) grad.noalias() += d[k] * s.grad[k].transpose();
+      const double* s = shape(p);
+      Mat3 grad = Mat3::Zero();
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < dimension; ++i)
+          for (int j = 0; j < dimension; ++j) grad(i, j) += d[k][i] * s[n + dimension * k + j];
+      if constexpr (hoop) {
+        const double r = seen(p).x();
+        for (int k = 0; k < n; ++k) grad(2, 2) += hoop_gradient(s, n, r, k) * d[k].x();
+      }
       if (kinematics == Kinematics::small) {
         material.trial_F[p] = material.F[p] + grad;
-        push_[p] = s.grad;
+        push_[p].setIdentity();
         continue;
       }
-      // Gradients by reference coordinates (total, formulation (25)) or by those at t_n (updated).
-      const Mat2 dF = total_lagrangian_ ? Mat2(material.F[p] + grad) : Mat2(Mat2::Identity() + grad);
-      material.trial_F[p] = total_lagrangian_ ? dF : Mat2(dF * material.F[p]);
-      const Mat2 push = dF.inverse().transpose();
-      for (int k = 0; k < n; ++k) push_[p][k] = push * s.grad[k];
+      if (total_lagrangian_) {
+        material.trial_F[p] = material.F[p] + grad;
+        push_[p] = material.trial_F[p].inverse().transpose();
+      } else {
+        const Mat3 dF = Mat3::Identity() + grad;
+        material.trial_F[p].noalias() = dF * material.F[p];
+        push_[p] = dF.inverse().transpose();
+      }
     }
   }
 }
 
-Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& settings, bool tangent) {
+Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& settings) {
   kinematics_ = settings.kinematics;
-  trial_gradients(du, settings.kinematics);
-  return material.respond(settings, tangent);
+  with_space([&]<int dimension, bool hoop>() { trial_gradients<dimension, hoop>(du, settings.kinematics); });
+  return material.respond(settings);
 }
 
-/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8)]
-void MpmDiscretisation::add_internal_force(NodalVector& f) const {
+/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26)]
+template <int dimension, bool hoop>
+void MpmDiscretisation::internal_force(NodalVector& f) const {
+  std::array<Vec3, 8> sum;
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     const int n = static_cast<int>(list.size());
-    std::array<Vec2, 4> sum = {Vec2::Zero(), Vec2::Zero(), Vec2::Zero(), Vec2::Zero()};
+    std::fill_n(sum.begin(), n, Vec3::Zero());
     for (int p : points_in(static_cast<int>(a))) {
-      const Mat2 tau = material.trial[p].stress * material.volume[p];
-      for (int k = 0; k < n; ++k) sum[k].noalias() += tau * push_[p][k];
+      const double* s = shape(p);
+      const Mat3 tau = response_detail::tensor(material.trial[p].stress) * material.volume[p];
+      const Mat3 by_gradient = tau * push_[p];
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < dimension; ++i)
+          for (int j = 0; j < dimension; ++j) sum[k][i] += by_gradient(i, j) * s[n + dimension * k + j];
+      if constexpr (hoop) {
+        const double r = seen(p).x();
+        for (int k = 0; k < n; ++k) sum[k].x() += by_gradient(2, 2) * hoop_gradient(s, n, r, k);
+      }
     }
     for (int k = 0; k < n; ++k) f[list[k]] += sum[k];
   }
 }
 
-namespace {
+void MpmDiscretisation::add_internal_force(NodalVector& f) const {
+  with_space([&]<int dimension, bool hoop>() { internal_force<dimension, hoop>(f); });
+}
 
-/// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with N nodes.   [formulation (10)]
-template <int N>
-void cell_tangent(std::span<const int> points, const std::vector<std::array<Vec2, 4>>& gradients,
-                  const MaterialState& material, Eigen::Matrix<double, 2 * N, 2 * N, Eigen::RowMajor>& K) {
+/// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with n nodes.   [formulation (10)]
+template <int dimension, bool hoop, int n>
+void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, double* out) const {
+  constexpr int components = dimension * dimension + (hoop ? 1 : 0), width = dimension * n;
+  using Row = Eigen::Matrix<double, 1, width>;
+  Eigen::Map<Eigen::Matrix<double, width, width, Eigen::RowMajor>> K(out);
   K.setZero();
-  Eigen::Matrix<double, 4, 2 * N> G = Eigen::Matrix<double, 4, 2 * N>::Zero();
-  Eigen::Matrix<double, 4, 2 * N> aG;
-  for (int p : points) {
-    for (int k = 0; k < N; ++k) {
-      const Vec2& g = gradients[p][k];
-      G(0, 2 * k) = g.x();
-      G(1, 2 * k) = g.y();
-      G(2, 2 * k + 1) = g.x();
-      G(3, 2 * k + 1) = g.y();
+  Modulus<components> a;
+  // Increments of the stress components for unit displacements of the nodes.
+  Eigen::Matrix<double, components, width, Eigen::RowMajor> increment;
+  double g[n][dimension], ring[n] = {};
+  for (int p : points_in(active)) {
+    material.modulus<components>(p, settings, a);
+    a *= material.volume[p];
+    const double* s = shape(p);
+    const Mat3& push = push_[p];
+    const double r = hoop ? seen(p).x() : 0.0;
+    for (int k = 0; k < n; ++k) {
+      for (int i = 0; i < dimension; ++i) {
+        g[k][i] = 0.0;
+        for (int j = 0; j < dimension; ++j) g[k][i] += push(i, j) * s[n + dimension * k + j];
+      }
+      if constexpr (hoop) ring[k] = push(2, 2) * hoop_gradient(s, n, r, k);
     }
-    aG.noalias() = (material.trial[p].tangent * material.volume[p]).lazyProduct(G);
-    K.noalias() += G.transpose().lazyProduct(aG);
+    for (int c = 0; c < components; ++c)
+      for (int k = 0; k < n; ++k)
+        for (int i = 0; i < dimension; ++i) {
+          double sum = 0.0;
+          for (int l = 0; l < dimension; ++l) sum += a(c, dimension * i + l) * g[k][l];
+          if (hoop && i == 0) sum += a(c, components - 1) * ring[k];
+          increment(c, dimension * k + i) = sum;
+        }
+    for (int k = 0; k < n; ++k)
+      for (int i = 0; i < dimension; ++i) {
+        Row row = g[k][0] * increment.row(dimension * i);
+        for (int j = 1; j < dimension; ++j) row += g[k][j] * increment.row(dimension * i + j);
+        if (hoop && i == 0) row += ring[k] * increment.row(components - 1);
+        K.row(dimension * k + i) += row;
+      }
   }
 }
 
-}  // namespace
-
-void MpmDiscretisation::add_tangent(BlockAssembler& matrix) const {
-  Eigen::Matrix<double, 8, 8, Eigen::RowMajor> K4;
-  Eigen::Matrix<double, 6, 6, Eigen::RowMajor> K3;
+template <int dimension, bool hoop>
+void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& matrix) const {
+  alignas(64) double K[24 * 24];
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int block = static_cast<int>(a);
-    if (blocks[block].size() == 4) {
-      cell_tangent<4>(points_in(block), push_, material, K4);
-      matrix.add(block, K4.data());
-    } else {
-      cell_tangent<3>(points_in(block), push_, material, K3);
-      matrix.add(block, K3.data());
-    }
+    const bool simplex = is_simplex(grid_.mesh.kinds[active_cells_[a]]);
+    if (simplex)
+      cell_tangent<dimension, hoop, dimension + 1>(block, settings, K);
+    else
+      cell_tangent<dimension, hoop, (dimension == 3 ? 8 : 4)>(block, settings, K);
+    matrix.add(block, K);
   }
+}
+
+void MpmDiscretisation::add_tangent(const LawSettings& settings, BlockAssembler& matrix) const {
+  with_space([&]<int dimension, bool hoop>() { tangent<dimension, hoop>(settings, matrix); });
 }
 
 /// j(du, w) = sum_faces gamma E h int [d_n du] . [d_n w] ds   [formulation (14)]
 void MpmDiscretisation::add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const {
-  std::array<double, 144> K;
+  const int d = dimension();
+  std::array<double, 9 * most_face_nodes * most_face_nodes> K;
   for (const Face& face : faces_) {
     const std::span<const int> list = blocks[face.block];
-    const int n = static_cast<int>(list.size());
-    for (const auto& jump : face.jump) {
-      Vec2 total = Vec2::Zero();
+    const int n = face.n, width = d * n;
+    for (int q = 0; q < face.n_points; ++q) {
+      const auto& jump = face.jump[q];
+      Vec3 total = Vec3::Zero();
       for (int k = 0; k < n; ++k) total += jump[k] * du[list[k]];
-      for (int k = 0; k < n; ++k) f[list[k]] += face.weight * jump[k] * total;
+      for (int k = 0; k < n; ++k) f[list[k]] += jump[k] * total;
     }
     if (!matrix) continue;
-    std::fill_n(K.begin(), 4 * n * n, 0.0);
+    std::fill_n(K.begin(), width * width, 0.0);
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         double value = 0.0;
-        for (const auto& jump : face.jump) value += face.weight * jump[i] * jump[j];
-        K[(2 * i) * 2 * n + 2 * j] = value;
-        K[(2 * i + 1) * 2 * n + 2 * j + 1] = value;
+        for (int q = 0; q < face.n_points; ++q) value += face.jump[q][i] * face.jump[q][j];
+        for (int c = 0; c < d; ++c) K[(d * i + c) * width + d * j + c] = value;
       }
     matrix->add(face.block, K.data());
   }
 }
 
-void MpmDiscretisation::add_body_force(const Vec2& acceleration, NodalVector& f) const {
+void MpmDiscretisation::add_body_force(const Vec3& acceleration, NodalVector& f) const {
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     for (int p : points_in(static_cast<int>(a)))
-      for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += shape_[p].N[k] * mass_[p] * acceleration;
+      for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += shape(p)[k] * mass_[p] * acceleration;
   }
 }
 
-void MpmDiscretisation::commit(const NodalVector& du, std::vector<Anchor*>& anchors) {
-  material.commit();
+void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>& anchors) {
   const bool move = kinematics_ == Kinematics::finite;
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    const std::span<const int> list = blocks[static_cast<int>(a)];
-    for (int p : points_in(static_cast<int>(a))) {
-      // A point with a fitted quadrature sees the functions of a shifted place, but moves with its own.
-      const Vec2 back = cell_[p] == home_[p] ? shift_[p] : Vec2::Zero();
-      Vec2 step = Vec2::Zero();
-      for (std::size_t k = 0; k < list.size(); ++k)
-        step += (shape_[p].N[k] - shape_[p].grad[k].dot(back)) * du[list[k]];
-      u_[p] += step;
-      if (!move) continue;
-      x_[p] += step;
-      const double J = material.F[p].determinant();
-      if (!(J > 0.0) || !std::isfinite(J))
-        throw RunError(
-            fmt::format("material point {} at ({:.6g}, {:.6g}) is turned inside out (det F = {:.3g}): take "
-                        "smaller steps",
-                        p, x_[p].x(), x_[p].y(), J));
+  const int d = dimension();
+  comm_.agree([&] {
+    material.commit();
+    for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+      const std::span<const int> list = blocks[static_cast<int>(a)];
+      const int n = static_cast<int>(list.size());
+      for (int p : points_in(static_cast<int>(a))) {
+        // A point with a fitted quadrature sees the functions of a shifted place, but moves with its own.
+        const Vec3 back = cell_[p] == home_[p] ? shift_[p] : Vec3::Zero();
+        const double* s = shape(p);
+        Vec3 step = Vec3::Zero();
+        for (int k = 0; k < n; ++k) {
+          double N = s[k];
+          for (int i = 0; i < d; ++i) N -= s[n + d * k + i] * back[i];
+          step += N * du[list[k]];
+        }
+        u_[p] += step;
+        if (!move) continue;
+        x_[p] += step;
+        const double J = material.F[p].determinant();
+        if (!(J > 0.0) || !std::isfinite(J))
+          throw RunError(fmt::format("material point {} at {} is turned inside out (det F = {:.3g}): take smaller steps",
+                                     id_[p], text_of(x_[p], d), J));
+      }
     }
-  }
+  });
   for (Anchor* a : anchors) {
-    const Vec2 step = a->stencil.interpolate(du);
+    const Vec3 step = a->stencil.interpolate(du);
     a->u += step;
     if (move) a->x += step;
   }

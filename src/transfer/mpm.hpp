@@ -4,6 +4,9 @@
 /// Lagrangian: they see it from where they started, so that no point ever crosses a cell and no gap can open between
 /// points: for specimens that crack but hardly move.
 
+#include <map>
+
+#include "comm/partition.hpp"
 #include "mesh/grid.hpp"
 #include "method/discretisation.hpp"
 #include "points/seeding.hpp"
@@ -13,83 +16,135 @@ namespace berm {
 class MpmDiscretisation final : public Discretisation {
 public:
   /// ghost_penalty: factor on E of the face stabilisation, 0 for none.
-  MpmDiscretisation(Grid grid, double ghost_penalty, Formulation formulation = Formulation::updated_lagrangian);
+  MpmDiscretisation(Grid grid, Space space, double ghost_penalty,
+                    Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {});
 
-  /// Adds the points of one body. Throws InputError if a point lies outside of the grid or its cell is too large for
-  /// the law's fracture energy.
+  /// Adds the points of one body; every process gives all of them, process 0 keeps them until the first move_points.
+  /// Throws InputError if a point lies outside of the grid or its cell is too large for the law's fracture energy.
   void add_body(int body, const std::string& name, const Material& material, const SeededPoints& points,
                 double thickness);
 
-  void begin_step(std::vector<Anchor*>& anchors) override;
-  Status evaluate(const NodalVector& du, const LawSettings& settings, bool tangent) override;
+  const Mesh& mesh() const override { return grid_.mesh; }
+  void move_points(double rebalance) override;
+  int locate(Anchor& anchor) const override;
+  void begin_step(const std::vector<Anchor*>& anchors) override;
+  Status evaluate(const NodalVector& du, const LawSettings& settings) override;
   void add_internal_force(NodalVector& f) const override;
-  void add_tangent(BlockAssembler& matrix) const override;
+  void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const override;
   void add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const override;
-  void add_body_force(const Vec2& acceleration, NodalVector& f) const override;
-  void commit(const NodalVector& du, std::vector<Anchor*>& anchors) override;
+  void add_body_force(const Vec3& acceleration, NodalVector& f) const override;
+  void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) override;
 
-  std::vector<Vec2> point_positions() const override { return x_; }
-  std::vector<Vec2> point_displacements() const override { return u_; }
-  std::vector<Vec2> points_inside(const Region& region, const std::string& body) const override;
+  const std::vector<std::int64_t>& point_ids() const override { return id_; }
+  std::vector<Vec3> point_positions() const override { return x_; }
+  std::vector<Vec3> point_displacements() const override { return u_; }
+  std::vector<Vec3> point_origins() const override { return X_; }
+  std::vector<Vec3> points_inside(const Region& region, const std::string& body) const override;
   double cell_size() const override { return cell_size_; }
 
+  int row_width(int slice) const override;
+  std::vector<double> point_rows(int slice) const override;
+  void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;
+
   const Grid& grid() const { return grid_; }
-  /// Cells that hold material, in the order of the blocks, and the filled fraction of each.
+  /// Cells of this process that hold material, in the order of the blocks, and the filled fraction of each.
   const std::vector<int>& active_cells() const { return active_cells_; }
-  double fill(int active_index) const { return fill_[active_index]; }
+  double fill(int active_index) const { return cells_[active_index].fill; }
   /// Points of an active cell.
   std::span<const int> points_in(int active_index) const {
     return {order_.data() + first_[active_index], order_.data() + first_[active_index + 1]};
   }
 
 private:
-  struct Gradients {
-    std::array<double, 4> N;
-    std::array<Vec2, 4> grad;
+  /// What the stabilisation wants to know of an active cell.
+  struct CellState {
+    double fill = 0.0;
+    double stiffness = 0.0;  ///< mean damaged E (plane: times thickness)
+    int holds_rigid = 0;     ///< points of a rigid body
   };
+  static constexpr int most_face_nodes = 12, most_face_points = 4;
   /// A face between two active cells, one of them cut: jump of the normal derivative of the shape functions.
   struct Face {
-    int block;
-    int cell_a, cell_b;  ///< active indices
-    double weight;       ///< gamma E h times the length that one of its two points stands for [N/m * m]
-    std::array<std::array<double, 6>, 2> jump;  ///< at two points of the face
+    int block = -1;
+    int cell_a = 0, cell_b = 0;  ///< of the grid
+    int n = 0, n_points = 0;
+    std::array<int, most_face_nodes> node;  ///< of the grid
+    /// At each point of the face: sqrt(gamma E h times the area that the point stands for), and the jumps times it.
+    std::array<std::array<double, most_face_nodes>, most_face_points> jump;
   };
 
+  void place_points(const std::vector<std::vector<double>>& rows_of_slice);
+  void find_cells();
+  void share_cells(double rebalance);
+  void send_points();
   void sort_points(const std::vector<Anchor*>& anchors);
   void evaluate_shapes();
+  void ask_neighbours();
+  const CellState* cell_state(int cell) const;
   void build_faces();
+  Face make_face(int cell_a, int local, int cell_b, double penalty) const;
+  void number_nodes();
+  void attach(const std::vector<Anchor*>& anchors) const;
+  int owner_of_cell(int cell) const { return partition_.owner(cell_centre(grid_.mesh, cell)); }
+
+  template <int dimension, bool hoop>
   void trial_gradients(const NodalVector& du, Kinematics kinematics);
+  template <int dimension, bool hoop>
+  void internal_force(NodalVector& f) const;
+  template <int dimension, bool hoop, int n>
+  void cell_tangent(int active, const LawSettings& settings, double* K) const;
+  template <int dimension, bool hoop>
+  void tangent(const LawSettings& settings, BlockAssembler& matrix) const;
+  /// Calls work.operator()<dimension, hoop>().
+  template <class Work>
+  void with_space(Work work) const;
+
+  /// Shape functions of a point at t_n: n values, then n gradients.
+  const double* shape(int p) const { return shape_.data() + std::size_t(p) * stride_; }
+  double hoop_gradient(const double* s, int n, double r, int k) const;
 
   Grid grid_;
-  std::vector<InteriorEdge> grid_edges_;
-  std::vector<double> cell_area_;
-  double cell_size_ = 0.0;
+  Space space_;
   double ghost_penalty_ = 0.0;
+  bool total_lagrangian_ = false;
+  double cell_size_ = 0.0;
   Kinematics kinematics_ = Kinematics::finite;
 
-  bool total_lagrangian_ = false;
   /// Place from which the grid is seen.
-  Vec2 seen(int p) const {
-    const Vec2& x = total_lagrangian_ ? X_[p] : x_[p];
-    return cell_[p] == home_[p] ? Vec2(x + shift_[p]) : x;  // points in their first cell keep its quadrature
+  Vec3 seen(int p) const {
+    const Vec3& x = total_lagrangian_ ? X_[p] : x_[p];
+    return cell_[p] == home_[p] ? Vec3(x + shift_[p]) : x;  // points in their first cell keep its quadrature
   }
-  Vec2 seen(const Anchor& a) const { return total_lagrangian_ ? a.X : a.x; }
+  Vec3 seen(const Anchor& a) const { return total_lagrangian_ ? a.X : a.x; }
 
-  std::vector<Vec2> X_, x_, u_;  ///< start, now, and what lies between
-  std::vector<double> mass_, area_;
-  std::vector<double> youngs_;  ///< of the point's material, scales the stabilisation
+  Partition partition_;
+  bool shared_out_ = false;
+
+  // per point
+  std::vector<std::int64_t> id_;
+  std::vector<Vec3> X_, x_, u_;  ///< start, now, and what lies between
+  std::vector<double> mass_, measure_;
   std::vector<int> cell_;
   std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1
-  std::vector<Vec2> shift_;  ///< of their places in that cell
+  std::vector<Vec3> shift_;  ///< of their places in that cell
+  std::vector<double> shape_;
+  std::vector<Mat3> push_;  ///< from gradients at t_n (total: at the start) to the trial configuration
+  int stride_ = 0;          ///< of shape_
+  std::int64_t n_points_ = 0;  ///< of all processes
+
+  std::vector<double> youngs_of_slice_;  ///< scales the stabilisation (plane: times thickness)
 
   std::vector<int> active_cells_, active_index_;  ///< cell -> index or -1
-  std::vector<double> fill_;
-  std::vector<char> holds_rigid_;  ///< active cells with points of a rigid body
+  std::vector<CellState> cells_;                  ///< by active index
+  std::map<int, CellState> remote_;               ///< active cells of other processes at the border
   std::vector<int> order_, first_;
-  std::vector<Gradients> shape_;           ///< at t_n
-  std::vector<std::array<Vec2, 4>> push_;  ///< gradients on the trial configuration
   std::vector<Face> faces_;
-  std::vector<double> cell_stiffness_;  ///< mean damaged E of an active cell
+  std::vector<int> local_node_;  ///< node of the grid -> local node or -1
+
+  // what the present node numbers were made for
+  std::vector<int> numbered_cells_;
+  std::vector<std::pair<int, int>> numbered_faces_;
+  bool numbered_ = false;
 };
 
 }  // namespace berm
