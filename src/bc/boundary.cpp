@@ -22,68 +22,69 @@ double youngs_modulus(const Case& c, int body) {
   return 0.0;
 }
 
-/// Part of a surface piece that lies inside `where` [-]: the ends of a loaded arc seldom are ends of pieces.
-double share_inside(const Where& where, const SurfacePoint& s) {
-  constexpr int samples = 100;
-  const Vec2 along = s.length * Vec2(-s.normal.y(), s.normal.x());
-  int count = 0;
-  for (int k = 0; k < samples; ++k) count += inside(where, s.anchor.X + ((k + 0.5) / samples - 0.5) * along);
-  return double(count) / samples;
+/// Part of a surface piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces. In
+/// space the piece is taken for a square.
+double share_inside(const Where& where, const SurfacePoint& s, int dimension) {
+  const int n = dimension == 2 ? 100 : 10;
+  const Vec3 along = dimension == 2 ? Vec3(-s.normal.y(), s.normal.x(), 0.0) : s.normal.unitOrthogonal();
+  const Vec3 across = dimension == 2 ? Vec3::Zero() : s.normal.cross(along);
+  int count = 0, all = 0;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < (dimension == 2 ? 1 : n); ++j, ++all)
+      count += inside(where, s.X + s.size * (((i + 0.5) / n - 0.5) * along + ((j + 0.5) / n - 0.5) * across));
+  return double(count) / all;
 }
 
 bool in_group(const SurfacePoint& s, const std::string& group) {
   return std::find(s.groups.begin(), s.groups.end(), group) != s.groups.end();
 }
 
-}  // namespace
-
-BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, std::vector<BodySurface> surfaces,
-                                       const std::map<std::string, std::vector<int>>& node_groups)
-    : case_(c), thickness_(c.thickness) {
-  for (BodySurface& s : surfaces) surface_.insert(surface_.end(), s.points.begin(), s.points.end());
-  read_boundaries(c, d, node_groups);
-  read_pressures(c);
-  read_contacts(c, d);
-  read_pins_and_gauges(c);
-  for (const RigidContact& contact : contacts_) rigid_offset_[contact.rigid] = Vec2::Zero();
-
-  // Only surface points that carry something have to be followed.
-  std::vector<char> used(surface_.size(), 0);
-  for (const PressureLoad& load : pressures_)
-    for (int p : load.points) used[p] = 1;
-  for (const RigidContact& contact : contacts_)
-    for (const ContactPoint& p : contact.points) used[p.point] = 1;
-  for (std::size_t p = 0; p < surface_.size(); ++p)
-    if (used[p]) anchors_.push_back(&surface_[p].anchor);
-  for (RigidContact& contact : contacts_)
-    for (Anchor& a : contact.inside) anchors_.push_back(&a);
-  for (PinPoint& pin : pins_) anchors_.push_back(&pin.anchor);
-  for (GaugeLine& g : gauges_) {
-    anchors_.push_back(&g.from);
-    anchors_.push_back(&g.to);
-  }
+Anchor anchor_at(int body, const Vec3& x, const Vec3& normal = Vec3::Zero()) {
+  Anchor a;
+  a.body = body;
+  a.X = a.x = x;
+  a.inward = -normal;
+  return a;
 }
 
-void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d,
-                                         const std::map<std::string, std::vector<int>>& node_groups) {
+bool is_rigid_motion(Contact::Kind kind) { return kind == Contact::Kind::shared_nodes; }
+
+}  // namespace
+
+BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface)
+    : case_(c),
+      comm_(d.comm()),
+      dimension_(d.dimension()),
+      cell_size_(d.cell_size()),
+      rigid_offset_(c.bodies.size(), Vec3::Zero()) {
+  read_boundaries(c, d);
+  read_pressures(c, surface);
+  read_contacts(c, d, surface);
+  read_pins_and_gauges(c, d);
+  if (comm_.is_root()) return;
+  pressures_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
+}
+
+void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
+  const Mesh& mesh = d.mesh();
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
-    std::vector<int> candidates;
+    const std::vector<int>* group = nullptr;
     if (spec.where.group) {
-      const auto group = node_groups.find(*spec.where.group);
-      if (group == node_groups.end())
-        throw InputError(
-            fmt::format("[boundary.{}]: no mesh has a physical curve named \"{}\"", spec.name, *spec.where.group));
-      candidates = group->second;
-    } else {
-      for (int node = 0; node < d.n_nodes(); ++node) candidates.push_back(node);
+      const auto found = mesh.node_groups.find(*spec.where.group);
+      if (found == mesh.node_groups.end())
+        throw InputError(fmt::format("[boundary.{}]: no mesh has a physical {} named \"{}\"", spec.name,
+                                     dimension_ == 3 ? "surface" : "curve", *spec.where.group));
+      group = &found->second;
     }
     bool any = false;
-    for (int node : candidates) {
-      if (!inside(spec.where, d.nodes[node])) continue;
+    const int n = group ? static_cast<int>(group->size()) : mesh.n_nodes();
+    for (int k = 0; k < n; ++k) {
+      const int node = group ? (*group)[k] : k;
+      if (!inside(spec.where, mesh.nodes[node])) continue;
       any = true;
-      if (spec.ux) prescribe(node, 0, static_cast<int>(b), *spec.ux);
-      if (spec.uy) prescribe(node, 1, static_cast<int>(b), *spec.uy);
+      for (int i = 0; i < dimension_; ++i)
+        if (spec.u[i]) prescribe(node, i, static_cast<int>(b), *spec.u[i]);
     }
     if (!any)
       throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
@@ -93,7 +94,7 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d,
 
 /// The first boundary owns a displacement; a second one may only repeat it.
 void BoundaryConditions::prescribe(int node, int component, int boundary, double value) {
-  const auto [owner, is_new] = owner_.try_emplace(2 * node + component, conditions_.size());
+  const auto [owner, is_new] = owner_.try_emplace({node, component}, conditions_.size());
   if (is_new) {
     conditions_.push_back({node, component, boundary, value});
     return;
@@ -103,95 +104,111 @@ void BoundaryConditions::prescribe(int node, int component, int boundary, double
     throw InputError(fmt::format(
         "[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
         "make their regions disjoint",
-        case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, component == 0 ? 'x' : 'y'));
+        case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, "xyz"[component]));
 }
 
-void BoundaryConditions::read_pressures(const Case& c) {
-  for (const Pressure& spec : c.pressures) {
-    PressureLoad load;
-    load.spec = &spec;
+void BoundaryConditions::read_pressures(const Case& c, const std::vector<SurfacePoint>& surface) {
+  for (std::size_t k = 0; k < c.pressures.size(); ++k) {
+    const Pressure& spec = c.pressures[k];
     const int body = body_index(c, spec.body);
-    for (std::size_t p = 0; p < surface_.size(); ++p)
-      if (surface_[p].anchor.body == body && (!spec.where.group || in_group(surface_[p], *spec.where.group)))
-        if (const double share = share_inside(spec.where, surface_[p]); share > 0.0) {
-          load.points.push_back(static_cast<int>(p));
-          load.area.push_back(share * surface_[p].length * thickness_);
-        }
-    if (load.points.empty())
+    Vec3 total = Vec3::Zero();
+    bool any = false;
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
+      const double share = share_inside(spec.where, s, dimension_);
+      if (share == 0.0) continue;
+      PressurePoint point;
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(pressures_.size());
+      point.load = static_cast<int>(k);
+      point.force = -spec.value * share * s.area * s.normal;
+      total += point.force;
+      any = true;
+      pressures_.push_back(point);
+    }
+    if (!any)
       throw InputError(fmt::format("[pressure.{}] catches no part of the surface of body \"{}\": check its where",
                                    spec.name, spec.body));
-    pressures_.push_back(std::move(load));
+    pressure_force_.push_back(total);
   }
 }
 
-void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d) {
-  const double h = d.cell_size();
-  for (const Contact& spec : c.contacts) {
-    RigidContact contact;
-    contact.spec = &spec;
-    contact.rigid = body_index(c, spec.rigid);
-    const int body = body_index(c, spec.body);
-    const Region& region =
-        rigid_regions_.try_emplace(contact.rigid, Region(*c.bodies[contact.rigid].shape)).first->second;
-    if (spec.kind == Contact::Kind::shared_nodes) {
-      for (const Vec2& x : d.points_inside(region, spec.rigid)) {
-        Anchor a;
-        a.body = contact.rigid;
-        a.X = a.x = x;
-        a.rigid = true;
-        contact.inside.push_back(a);
-      }
-      if (contact.inside.empty())
-        throw InputError(
-            fmt::format("[contact.{}]: kind = \"shared_nodes\" needs a background grid (method = \"mpm\"); "
-                        "take \"tie\" or \"no_slip\"",
-                        spec.name));
-      contacts_.push_back(std::move(contact));
+void BoundaryConditions::add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d) {
+  const Contact& spec = c.contacts[contact];
+  const std::vector<Vec3> places = d.points_inside(region, spec.rigid);
+  if (places.empty())
+    throw InputError(
+        fmt::format("[contact.{}]: kind = \"shared_nodes\" needs a background grid (method = \"mpm\"); "
+                    "take \"tie\" or \"no_slip\"",
+                    spec.name));
+  for (const Vec3& x : places) {
+    RigidPoint point;
+    point.anchor = anchor_at(rigid_of_contact_[contact], x);
+    point.anchor.rigid = true;
+    point.id = static_cast<int>(rigid_points_.size());
+    point.contact = contact;
+    rigid_points_.push_back(point);
+  }
+}
+
+void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
+                                       const std::vector<SurfacePoint>& surface) {
+  for (std::size_t k = 0; k < c.contacts.size(); ++k) {
+    const Contact& spec = c.contacts[k];
+    const int rigid = body_index(c, spec.rigid), body = body_index(c, spec.body);
+    rigid_of_contact_.push_back(rigid);
+    const Region& region = rigid_regions_.try_emplace(rigid, *c.bodies[rigid].shape, cell_size_).first->second;
+    if (is_rigid_motion(spec.kind)) {
+      add_rigid_points(c, static_cast<int>(k), region, d);
       continue;
     }
-    const double factor = spec.stiffness * youngs_modulus(c, body) / h * thickness_;
-    const double touching = 1e-3 * h;
-    for (std::size_t p = 0; p < surface_.size(); ++p) {
-      if (surface_[p].anchor.body != body) continue;
-      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(surface_[p].anchor.X).distance) > touching)
-        continue;
+    const double factor = spec.stiffness * youngs_modulus(c, body) / cell_size_;
+    const double touching = 1e-3 * cell_size_;
+    const std::size_t before = contacts_.size();
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body) continue;
+      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(s.X).distance) > touching) continue;
       ContactPoint point;
-      point.point = static_cast<int>(p);
-      point.stiffness = factor * surface_[p].length;
-      contact.points.push_back(point);
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(contacts_.size());
+      point.contact = static_cast<int>(k);
+      point.stiffness = factor * s.area;
+      contacts_.push_back(point);
     }
-    if (contact.points.empty())
+    if (contacts_.size() == before)
       throw InputError(
           fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
                       spec.body, spec.rigid));
-    contacts_.push_back(std::move(contact));
   }
 }
 
-void BoundaryConditions::read_pins_and_gauges(const Case& c) {
+void BoundaryConditions::read_pins_and_gauges(const Case& c, const Discretisation& d) {
+  const bool plane = c.space == Space::plane_strain || c.space == Space::plane_stress;
   for (const Pin& spec : c.pins) {
     PinPoint pin;
-    pin.anchor.body = body_index(c, spec.body);
-    pin.anchor.X = pin.anchor.x = spec.at;
-    pin.x = spec.x;
-    pin.y = spec.y;
-    pin.stiffness = youngs_modulus(c, pin.anchor.body) * thickness_;
+    const int body = body_index(c, spec.body);
+    pin.anchor = anchor_at(body, spec.at);
+    pin.id = static_cast<int>(pins_.size());
+    for (int i = 0; i < dimension_; ++i)
+      if (spec.fixed[i]) pin.stiffness[i] = youngs_modulus(c, body) * (plane ? c.thickness : d.cell_size());
     pins_.push_back(pin);
   }
+  std::map<int, Region> regions;
   for (const Gauge& spec : c.output.gauges) {
     GaugeLine g;
     g.name = spec.name;
-    g.from.body = g.to.body = -1;
-    g.from.X = g.from.x = spec.from;
-    g.to.X = g.to.x = spec.to;
+    g.from = anchor_at(-1, spec.from);
+    g.to = anchor_at(-1, spec.to);
     g.direction = (spec.to - spec.from).normalized();
     // Each end belongs to the deformable body that holds it, or else to the first one.
     for (Anchor* a : {&g.from, &g.to})
       for (std::size_t b = 0; b < c.bodies.size(); ++b) {
         if (c.bodies[b].rigid) continue;
         if (a->body < 0) a->body = static_cast<int>(b);
-        if (c.bodies[b].shape && Region(*c.bodies[b].shape).contains(a->X)) {
-          a->body = static_cast<int>(b);
+        if (!c.bodies[b].shape) continue;
+        const int index = static_cast<int>(b);
+        if (regions.try_emplace(index, *c.bodies[b].shape, cell_size_).first->second.contains(a->X)) {
+          a->body = index;
           break;
         }
       }
@@ -199,147 +216,269 @@ void BoundaryConditions::read_pins_and_gauges(const Case& c) {
   }
 }
 
-void BoundaryConditions::begin_step(const Discretisation& d) {
-  equation_.assign(2 * d.n_nodes(), -1);
-  std::vector<char> prescribed(2 * d.n_nodes(), 0);
-  for (const NodeCondition& k : conditions_) prescribed[2 * k.node + k.component] = 1;
-  moved_by_rigid_.clear();
-  for (RigidContact& contact : contacts_) {
-    std::set<int> shared;
-    for (const Anchor& a : contact.inside) shared.insert(a.stencil.node.begin(), a.stencil.node.begin() + a.stencil.n);
-    std::erase_if(shared, [&](int node) { return moved_by_rigid_.contains(node); });
-    contact.shared_nodes.assign(shared.begin(), shared.end());
-    for (int node : contact.shared_nodes) prescribed[2 * node] = prescribed[2 * node + 1] = 1;
-    moved_by_rigid_.insert(shared.begin(), shared.end());
-  }
-  n_equations_ = 0;
-  for (int node = 0; node < d.n_nodes(); ++node)
-    for (int c = 0; c < 2; ++c)
-      if (d.active[node] && !prescribed[2 * node + c]) equation_[2 * node + c] = n_equations_++;
+template <class Point>
+void BoundaryConditions::travel(std::vector<Point>& points, const Discretisation& d) {
+  std::vector<std::vector<Point>> to(comm_.size());
+  comm_.agree([&] {
+    for (Point& p : points) to[d.locate(p.anchor)].push_back(p);
+  });
+  if (comm_.size() == 1) return;
+  if (!comm_.any([&] {
+        for (int r = 0; r < comm_.size(); ++r)
+          if (r != comm_.rank() && !to[r].empty()) return true;
+        return false;
+      }()))
+    return;
+  points = std::move(to[comm_.rank()]);
+  to[comm_.rank()].clear();
+  for (const auto& from : comm_.exchange(to)) points.insert(points.end(), from.begin(), from.end());
+  std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.id < b.id; });
+}
 
-  for (RigidContact& contact : contacts_) {
-    if (contact.spec->kind == Contact::Kind::tie || contact.spec->kind == Contact::Kind::shared_nodes) continue;
-    const Region& region = rigid_regions_.at(contact.rigid);
-    for (ContactPoint& p : contact.points) {
-      const Anchor& a = surface_[p.point].anchor;
-      const Region::Nearest nearest = region.nearest(a.X + a.u - rigid_offset_[contact.rigid]);
-      p.normal = nearest.normal;
-      p.gap = nearest.distance;
+void BoundaryConditions::move_anchors(const Discretisation& d) {
+  travel(pressures_, d);
+  travel(contacts_, d);
+  travel(rigid_points_, d);
+  travel(pins_, d);
+  comm_.agree([&] {
+    for (GaugeLine& g : gauges_) {
+      g.from_here = d.locate(g.from) == comm_.rank();
+      g.to_here = d.locate(g.to) == comm_.rank();
     }
+  });
+  anchors_.clear();
+  for (PressurePoint& p : pressures_) anchors_.push_back(&p.anchor);
+  for (ContactPoint& p : contacts_) anchors_.push_back(&p.anchor);
+  for (RigidPoint& p : rigid_points_) anchors_.push_back(&p.anchor);
+  for (PinPoint& p : pins_) anchors_.push_back(&p.anchor);
+  for (GaugeLine& g : gauges_) {
+    if (g.from_here) anchors_.push_back(&g.from);
+    if (g.to_here) anchors_.push_back(&g.to);
+  }
+}
+
+/// Nodes of cells that hold points of rigid bodies with shared nodes, on all processes.
+void BoundaryConditions::share_nodes(const Discretisation& d) {
+  moved_by_.assign(d.n_nodes(), -1);
+  for (std::size_t k = 0; k < case_.contacts.size(); ++k) {
+    if (!is_rigid_motion(case_.contacts[k].kind)) continue;
+    std::vector<char> shared(d.n_nodes(), 0);
+    for (const RigidPoint& p : rigid_points_)
+      if (p.contact == static_cast<int>(k))
+        for (int i = 0; i < p.anchor.stencil.n; ++i) shared[p.anchor.stencil.node[i]] = 1;
+    d.halo.add_to_owners(shared.data(), 1);
+    d.halo.copy_to_ghosts(shared.data(), 1);
+    for (int node = 0; node < d.n_nodes(); ++node)
+      if (shared[node] && moved_by_[node] < 0) moved_by_[node] = static_cast<int>(k);
+  }
+}
+
+void BoundaryConditions::begin_step(const Discretisation& d) {
+  n_owned_ = d.halo.n_owned;
+  if (connectivity_ != d.connectivity) {
+    connectivity_ = d.connectivity;
+    local_conditions_.clear();
+    for (std::size_t k = 0; k < conditions_.size(); ++k)
+      if (const int node = d.halo.find(conditions_[k].node); node >= 0)
+        local_conditions_.emplace_back(static_cast<int>(k), node);
+  }
+  fixed_.assign(static_cast<std::size_t>(dimension_) * d.n_nodes(), 0);
+  for (const auto& [k, node] : local_conditions_) fixed_[dimension_ * node + conditions_[k].component] = 1;
+  share_nodes(d);
+  for (int node = 0; node < d.n_nodes(); ++node)
+    if (moved_by_[node] >= 0)
+      for (int i = 0; i < dimension_; ++i) fixed_[dimension_ * node + i] = 1;
+  n_free_ = comm_.sum(long(std::count(fixed_.begin(), fixed_.begin() + dimension_ * n_owned_, 0)));
+
+  for (ContactPoint& p : contacts_) {
+    if (case_.contacts[p.contact].kind == Contact::Kind::tie) continue;
+    const int rigid = rigid_of_contact_[p.contact];
+    const Region::Nearest nearest =
+        rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u - rigid_offset_[rigid]);
+    p.normal = nearest.normal;
+    p.gap = nearest.distance;
   }
 }
 
 std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t1) const {
-  std::vector<double> du(equation_.size(), 0.0);
-  for (const NodeCondition& k : conditions_) du[2 * k.node + k.component] = k.value * (t1 - t0);
-  for (const RigidContact& contact : contacts_)
-    for (int node : contact.shared_nodes)
-      for (int c : {0, 1}) du[2 * node + c] = case_.bodies[contact.rigid].displacement[c] * (t1 - t0);
+  std::vector<double> du(fixed_.size(), 0.0);
+  for (const auto& [k, node] : local_conditions_)
+    du[dimension_ * node + conditions_[k].component] = conditions_[k].value * (t1 - t0);
+  for (std::size_t node = 0; node < moved_by_.size(); ++node) {
+    if (moved_by_[node] < 0) continue;
+    const Vec3& motion = case_.bodies[rigid_of_contact_[moved_by_[node]]].displacement;
+    for (int i = 0; i < dimension_; ++i) du[dimension_ * node + i] = motion[i] * (t1 - t0);
+  }
   return du;
 }
 
 /// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip.   [boundaries (3), (4)]
-BoundaryConditions::ContactForce BoundaryConditions::contact_force(const RigidContact& contact,
-                                                                   const ContactPoint& point, const NodalVector& du,
+BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
                                                                    double t0, double t1) const {
-  const Vec2 rigid = case_.bodies[contact.rigid].displacement * (t1 - t0);
-  const Vec2 relative = surface_[point.point].anchor.stencil.interpolate(du) - rigid;
+  const Contact::Kind kind = case_.contacts[point.contact].kind;
+  const Vec3 rigid = case_.bodies[rigid_of_contact_[point.contact]].displacement * (t1 - t0);
+  const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;
-  if (contact.spec->kind == Contact::Kind::tie) return {-k * (point.slip + relative), k * Mat2::Identity(), true};
+  if (kind == Contact::Kind::tie) return {-k * (point.slip + relative), k * Mat3::Identity(), true};
 
   const double gap = point.gap + point.normal.dot(relative);
-  if (gap >= 0.0) return {Vec2::Zero(), Mat2::Zero(), false};
-  const Mat2 nn = point.normal * point.normal.transpose();
-  if (contact.spec->kind == Contact::Kind::frictionless) return {-k * gap * point.normal, k * nn, true};
-  const Mat2 tangential = Mat2::Identity() - nn;
-  return {-k * gap * point.normal - k * (tangential * (point.slip + relative)), k * Mat2::Identity(), true};
+  if (gap >= 0.0) return {Vec3::Zero(), Mat3::Zero(), false};
+  const Mat3 nn = point.normal * point.normal.transpose();
+  if (kind == Contact::Kind::frictionless) return {-k * gap * point.normal, k * nn, true};
+  const Mat3 tangential = Mat3::Identity() - nn;
+  return {-k * gap * point.normal - k * (tangential * (point.slip + relative)), k * Mat3::Identity(), true};
 }
 
 void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1, NodalVector& f,
                                     BlockAssembler* matrix) const {
-  std::array<double, 256> K;
-  auto add = [&](const Anchor& a, const Vec2& force, const Mat2& stiffness) {
+  const int d = dimension_;
+  std::vector<double> K;
+  auto add = [&](const Anchor& a, const Vec3& force, const Mat3& stiffness) {
     const Stencil& s = a.stencil;
     for (int i = 0; i < s.n; ++i) f[s.node[i]] -= s.N[i] * force;
     if (!matrix) return;
+    const int width = d * s.n;
+    K.resize(std::size_t(width) * width);
     for (int i = 0; i < s.n; ++i)
       for (int j = 0; j < s.n; ++j)
-        for (int p = 0; p < 2; ++p)
-          for (int q = 0; q < 2; ++q) K[(2 * i + p) * 2 * s.n + 2 * j + q] = s.N[i] * s.N[j] * stiffness(p, q);
+        for (int p = 0; p < d; ++p)
+          for (int q = 0; q < d; ++q) K[(d * i + p) * width + d * j + q] = s.N[i] * s.N[j] * stiffness(p, q);
     matrix->add(a.block, K.data());
   };
-  for (const RigidContact& contact : contacts_)
-    for (const ContactPoint& p : contact.points) {
-      const ContactForce c = contact_force(contact, p, du, t0, t1);
-      if (c.active) add(surface_[p.point].anchor, c.force, c.stiffness);
-    }
+  for (const ContactPoint& p : contacts_) {
+    const ContactForce c = contact_force(p, du, t0, t1);
+    if (c.active) add(p.anchor, c.force, c.stiffness);
+  }
   for (const PinPoint& pin : pins_) {
-    const Mat2 k = Vec2(pin.x ? pin.stiffness : 0.0, pin.y ? pin.stiffness : 0.0).asDiagonal();
+    const Mat3 k = pin.stiffness.asDiagonal();
     add(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k);
   }
 }
 
 void BoundaryConditions::add_pressure(NodalVector& f) const {
-  for (const PressureLoad& load : pressures_)
-    for (std::size_t i = 0; i < load.points.size(); ++i) {
-      const SurfacePoint& s = surface_[load.points[i]];
-      const Vec2 force = -load.spec->value * load.area[i] * s.normal;
-      for (int k = 0; k < s.anchor.stencil.n; ++k) f[s.anchor.stencil.node[k]] += s.anchor.stencil.N[k] * force;
-    }
+  for (const PressurePoint& p : pressures_)
+    for (int k = 0; k < p.anchor.stencil.n; ++k) f[p.anchor.stencil.node[k]] += p.anchor.stencil.N[k] * p.force;
 }
 
 void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
-  for (RigidContact& contact : contacts_) {
-    const Vec2 rigid = case_.bodies[contact.rigid].displacement * (t1 - t0);
-    const bool tie = contact.spec->kind == Contact::Kind::tie;
-    for (ContactPoint& p : contact.points) {
-      const Vec2 relative = surface_[p.point].anchor.stencil.interpolate(du) - rigid;
-      if (tie) {
-        p.slip += relative;
-        continue;
-      }
-      const bool touches = p.gap + p.normal.dot(relative) < 0.0;
-      p.slip = touches ? Vec2(p.slip + relative - p.normal * p.normal.dot(relative)) : Vec2::Zero();
+  for (ContactPoint& p : contacts_) {
+    const Vec3 rigid = case_.bodies[rigid_of_contact_[p.contact]].displacement * (t1 - t0);
+    const Vec3 relative = p.anchor.stencil.interpolate(du) - rigid;
+    if (case_.contacts[p.contact].kind == Contact::Kind::tie) {
+      p.slip += relative;
+      continue;
     }
+    const bool touches = p.gap + p.normal.dot(relative) < 0.0;
+    p.slip = touches ? Vec3(p.slip + relative - p.normal * p.normal.dot(relative)) : Vec3::Zero();
   }
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
-    if (case_.bodies[b].rigid) rigid_offset_[static_cast<int>(b)] = case_.bodies[b].displacement * t1;
+    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement * t1;
 }
 
-Vec2 BoundaryConditions::rigid_force(int body, const NodalVector& du, double t0, double t1,
-                                     const NodalVector& residual) const {
-  Vec2 sum = Vec2::Zero();
-  for (const RigidContact& contact : contacts_) {
-    if (contact.rigid != body) continue;
-    for (const ContactPoint& p : contact.points) sum += contact_force(contact, p, du, t0, t1).force;
-    for (int node : contact.shared_nodes) sum += residual[node];
+void BoundaryConditions::share_gauges() {
+  std::vector<double> values;
+  for (const GaugeLine& g : gauges_)
+    for (const auto& [anchor, here] : {std::pair(&g.from, g.from_here), std::pair(&g.to, g.to_here)})
+      for (const Vec3* v : {&anchor->x, &anchor->u})
+        for (int i = 0; i < 3; ++i) values.push_back(here ? (*v)[i] : 0.0);
+  comm_.sum(values);
+  const double* value = values.data();
+  for (GaugeLine& g : gauges_)
+    for (Anchor* a : {&g.from, &g.to})
+      for (Vec3* v : {&a->x, &a->u}) {
+        *v = Vec3(value[0], value[1], value[2]);
+        value += 3;
+      }
+}
+
+void BoundaryConditions::add_gauge_functional(int gauge, NodalVector& functional) const {
+  const GaugeLine& g = gauges_[gauge];
+  const auto add = [&](const Stencil& s, double sign) {
+    for (int k = 0; k < s.n; ++k) functional[s.node[k]] += sign * s.N[k] * g.direction;
+  };
+  if (g.to_here) add(g.to.stencil, 1.0);
+  if (g.from_here) add(g.from.stencil, -1.0);
+}
+
+Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double t1,
+                                        const NodalVector& residual) const {
+  const std::size_t n_bodies = case_.bodies.size(), n_boundaries = case_.boundaries.size();
+  std::vector<double> sums(3 * (n_bodies + n_boundaries), 0.0);
+  const auto add = [&](std::size_t index, const Vec3& force) {
+    for (int i = 0; i < 3; ++i) sums[3 * index + i] += force[i];
+  };
+  for (const ContactPoint& p : contacts_) add(rigid_of_contact_[p.contact], contact_force(p, du, t0, t1).force);
+  for (int node = 0; node < n_owned_; ++node)
+    if (moved_by_[node] >= 0) add(rigid_of_contact_[moved_by_[node]], residual[node]);
+  for (const auto& [k, node] : local_conditions_) {
+    const NodeCondition& condition = conditions_[k];
+    if (node < n_owned_ && moved_by_[node] < 0)
+      sums[3 * (n_bodies + condition.boundary) + condition.component] += residual[node][condition.component];
   }
-  return sum;
+  comm_.sum(sums);
+  const auto vector_at = [&](std::size_t index) { return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]); };
+  Reactions out;
+  for (std::size_t b = 0; b < n_bodies; ++b) out.rigid.push_back(vector_at(b));
+  for (std::size_t b = 0; b < n_boundaries; ++b) out.boundary.push_back(vector_at(n_bodies + b));
+  return out;
 }
 
-Vec2 BoundaryConditions::pressure_force(const std::string& name) const {
-  Vec2 sum = Vec2::Zero();
-  for (const PressureLoad& load : pressures_)
-    if (load.spec->name == name)
-      for (std::size_t i = 0; i < load.points.size(); ++i)
-        sum -= load.spec->value * load.area[i] * surface_[load.points[i]].normal;
-  return sum;
-}
-
-std::string BoundaryConditions::idle_boundary(const Discretisation& d) const {
-  std::vector<char> works(case_.boundaries.size(), 0);
+std::string BoundaryConditions::idle_boundary() const {
+  std::vector<double> works(case_.boundaries.size(), 0.0);
+  for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
+  comm_.sum(works);
   for (const NodeCondition& k : conditions_)
-    if (d.active[k.node]) works[k.boundary] = 1;
-  for (const NodeCondition& k : conditions_)
-    if (!works[k.boundary]) return case_.boundaries[k.boundary].name;
+    if (works[k.boundary] == 0.0) return case_.boundaries[k.boundary].name;
   return "";
 }
 
-Vec2 BoundaryConditions::boundary_force(int boundary, const NodalVector& residual) const {
-  Vec2 sum = Vec2::Zero();
-  for (const NodeCondition& k : conditions_)
-    if (k.boundary == boundary && !moved_by_rigid_.contains(k.node)) sum[k.component] += residual[k.node][k.component];
-  return sum;
+// ---- checkpoints
+
+namespace {
+
+void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero()) {
+  rows.push_back(id);
+  for (const Vec3* v : {&a.x, &a.u, &slip}) rows.insert(rows.end(), v->data(), v->data() + 3);
+}
+
+void restore_anchor(Anchor& a, const double* row) {
+  a.x = Vec3(row[1], row[2], row[3]);
+  a.u = Vec3(row[4], row[5], row[6]);
+}
+
+}  // namespace
+
+std::vector<double> BoundaryConditions::rows(int kind) const {
+  std::vector<double> rows;
+  if (kind == 0)
+    for (const ContactPoint& p : contacts_) append_row(rows, p.id, p.anchor, p.slip);
+  if (kind == 1)
+    for (const PressurePoint& p : pressures_) append_row(rows, p.id, p.anchor);
+  if (kind == 2)
+    for (const PinPoint& p : pins_) append_row(rows, p.id, p.anchor);
+  if (kind == 3 && comm_.is_root())
+    for (std::size_t g = 0; g < gauges_.size(); ++g) {
+      append_row(rows, static_cast<int>(2 * g), gauges_[g].from);
+      append_row(rows, static_cast<int>(2 * g + 1), gauges_[g].to);
+    }
+  return rows;
+}
+
+void BoundaryConditions::restore(int kind, const std::vector<double>& rows, double time) {
+  for (std::size_t k = 0; k < rows.size(); k += row_width) {
+    const double* row = rows.data() + k;
+    const auto id = static_cast<std::size_t>(row[0]);
+    if (kind == 0 && id < contacts_.size()) {
+      restore_anchor(contacts_[id].anchor, row);
+      contacts_[id].slip = Vec3(row[7], row[8], row[9]);
+    }
+    if (kind == 1 && id < pressures_.size()) restore_anchor(pressures_[id].anchor, row);
+    if (kind == 2 && id < pins_.size()) restore_anchor(pins_[id].anchor, row);
+    if (kind == 3 && id < 2 * gauges_.size())
+      restore_anchor(id % 2 == 0 ? gauges_[id / 2].from : gauges_[id / 2].to, row);
+  }
+  for (std::size_t b = 0; b < case_.bodies.size(); ++b)
+    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement * time;
 }
 
 }  // namespace berm

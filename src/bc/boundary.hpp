@@ -3,95 +3,115 @@
 /// bodies, gauges. Forces are linear in the step's increment except for contact that opens or closes.
 
 #include <map>
-#include <set>
 
 #include "bc/surface.hpp"
 
 namespace berm {
 
-/// Surface pieces of one body, given by the method that meshes or samples it.
-struct BodySurface {
-  int body = 0;
-  std::vector<SurfacePoint> points;
+/// Forces on the deformable bodies, summed over all processes [N].
+struct Reactions {
+  std::vector<Vec3> rigid;     ///< by case body; zero for deformable ones
+  std::vector<Vec3> boundary;  ///< by case boundary; each component only where it is prescribed
 };
 
 class BoundaryConditions {
 public:
-  /// node_groups: physical curves of the mesh that carries the nodes. Throws InputError if a boundary catches no node,
-  /// a pressure no surface, a tie no touching surface, a pin or gauge no body.
-  BoundaryConditions(const Case& c, const Discretisation& d, std::vector<BodySurface> surfaces,
-                     const std::map<std::string, std::vector<int>>& node_groups);
+  /// surfaces: of all deformable bodies. Every process gives all of them; process 0 keeps what is to be followed until
+  /// the first move_anchors. Throws InputError if a boundary catches no node, a pressure no surface, a tie no touching
+  /// surface.
+  BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surfaces);
 
-  /// Every anchor that must move with the material.
-  std::vector<Anchor*>& anchors() { return anchors_; }
+  /// Anchors travel to the processes that own their cells. Collective. Throws RunError if one lies outside the grid.
+  void move_anchors(const Discretisation& d);
+  /// Anchors of this process that must move with the material.
+  const std::vector<Anchor*>& anchors() const { return anchors_; }
 
-  /// Freezes contact normals and gaps for the step; numbers the equations of the active free dofs.
+  /// Which unknowns are prescribed in this step; freezes contact normals and gaps. Collective.
   void begin_step(const Discretisation& d);
-  const std::vector<int>& equation() const { return equation_; }
-  int n_equations() const { return n_equations_; }
+  /// One flag an unknown: dimension * local node + component.
+  const std::vector<char>& fixed() const { return fixed_; }
+  /// Unknowns of all processes that are not prescribed.
+  long n_free() const { return n_free_; }
 
-  /// Prescribed increments of the step from time t0 to t1 (2 per node, 0 where free).
+  /// Prescribed increments of the step from time t0 to t1 (one an unknown, 0 where free).
   std::vector<double> prescribed_increment(double t0, double t1) const;
 
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const NodalVector& du, double t0, double t1, NodalVector& f, BlockAssembler* matrix) const;
   /// Pressure forces at load factor 1, added to f.
   void add_pressure(NodalVector& f) const;
-  bool has_pressure() const { return !pressures_.empty(); }
+  bool has_pressure() const { return !pressure_force_.empty(); }
 
-  /// Contact state at the end of the step.
+  /// Contact state at the end of the step, before the anchors move; gauges once they have. Collective.
   void commit(const NodalVector& du, double t0, double t1);
+  void share_gauges();
 
-  /// Force of a rigid body (case body index) on the deformable ones at the increment du, whose nodal residual is given
-  /// [N].
-  Vec2 rigid_force(int body, const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
-  /// Total force of a pressure at load factor 1 [N].
-  Vec2 pressure_force(const std::string& name) const;
-  /// Sum of nodal forces over the nodes of a boundary; each component only where it is prescribed.
-  Vec2 boundary_force(int boundary, const NodalVector& residual) const;
+  /// What supports and rigid bodies do to the material at the increment du, whose nodal residual (complete at owned
+  /// nodes) is given. Collective.
+  Reactions reactions(const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
+  /// Total force of a pressure (index into the case's) at load factor 1 [N].
+  Vec3 pressure_force(int load) const { return pressure_force_[load]; }
 
-  std::vector<GaugeLine>& gauges() { return gauges_; }
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
-  const std::vector<PinPoint>& pins() const { return pins_; }
-  /// Name of the first boundary none of whose nodes takes part in the step, or "".
-  std::string idle_boundary(const Discretisation& d) const;
+  /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.
+  void add_gauge_functional(int gauge, NodalVector& functional) const;
+
+  /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.
+  std::string idle_boundary() const;
+
+  /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins, 3 gauges (process 0 only).
+  static constexpr int n_kinds = 4;
+  static constexpr int row_width = 10;  ///< id, x, u, slip
+  std::vector<double> rows(int kind) const;
+  /// Only before the first move_anchors: rows of all processes, given to each.
+  void restore(int kind, const std::vector<double>& rows, double time);
 
 private:
   struct NodeCondition {
-    int node, component, boundary;
+    int node, component, boundary;  ///< node of the mesh
     double value;
   };
-  /// Force on the body at a contact point and its 2x2 stiffness.
+  /// Force on the body at a contact point and its stiffness.
   struct ContactForce {
-    Vec2 force;
-    Mat2 stiffness;
+    Vec3 force;
+    Mat3 stiffness;
     bool active;
   };
 
-  void read_boundaries(const Case& c, const Discretisation& d,
-                       const std::map<std::string, std::vector<int>>& node_groups);
+  void read_boundaries(const Case& c, const Discretisation& d);
   void prescribe(int node, int component, int boundary, double value);
-  void read_pressures(const Case& c);
-  void read_contacts(const Case& c, const Discretisation& d);
-  void read_pins_and_gauges(const Case& c);
-  ContactForce contact_force(const RigidContact& contact, const ContactPoint& point, const NodalVector& du, double t0,
-                             double t1) const;
+  void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
+  void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
+  void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
+  void read_pins_and_gauges(const Case& c, const Discretisation& d);
+  template <class Point>
+  void travel(std::vector<Point>& points, const Discretisation& d);
+  void share_nodes(const Discretisation& d);
+  ContactForce contact_force(const ContactPoint& point, const NodalVector& du, double t0, double t1) const;
 
   const Case& case_;
-  double thickness_ = 1.0;
+  Comm comm_;
+  int dimension_ = 2;
+  double cell_size_ = 0.0;
   std::vector<NodeCondition> conditions_;
-  std::map<int, std::size_t> owner_;  ///< 2 node + component -> index into conditions_
-  std::set<int> moved_by_rigid_;      ///< nodes that a rigid body moves in this step, whatever a boundary says
-  std::vector<SurfacePoint> surface_;
-  std::vector<PressureLoad> pressures_;
-  std::vector<RigidContact> contacts_;
-  std::map<int, Region> rigid_regions_;
-  std::map<int, Vec2> rigid_offset_;  ///< displacement of the rigid bodies at t_n
+  std::map<std::pair<int, int>, std::size_t> owner_;  ///< node, component -> index into conditions_
+  std::vector<PressurePoint> pressures_;
+  std::vector<ContactPoint> contacts_;
+  std::vector<RigidPoint> rigid_points_;
   std::vector<PinPoint> pins_;
   std::vector<GaugeLine> gauges_;
+  std::vector<Vec3> pressure_force_;    ///< by case pressure
+  std::vector<int> rigid_of_contact_;   ///< case body
+  std::map<int, Region> rigid_regions_;
+  std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
-  std::vector<int> equation_;
-  int n_equations_ = 0;
+
+  // of the step
+  std::vector<char> fixed_;
+  std::vector<std::pair<int, int>> local_conditions_;  ///< index into conditions_, local node
+  std::vector<int> moved_by_;  ///< local node -> contact whose rigid body moves it, whatever a boundary says, or -1
+  int n_owned_ = 0;
+  long n_free_ = 0, connectivity_ = -1;
 };
 
 }  // namespace berm

@@ -1,59 +1,73 @@
 #pragma once
 /// Material points of a body's surface: they carry pressure and contact, move with the body, and work alike on the grid
-/// (mpm) and on element edges (fem).   [docs/theory/boundaries.md]
+/// (mpm) and on element faces (fem).   [docs/theory/boundaries.md]
 
-#include <map>
+#include <string>
 #include <vector>
 
 #include "bc/where.hpp"
-#include "mesh/region.hpp"
 #include "method/discretisation.hpp"
 
 namespace berm {
 
-/// A piece of a body's surface; outward normal and length of the reference state.
+/// A piece of a body's surface in the reference state, as the method that meshes or samples the body gives it.
 struct SurfacePoint {
+  int body = 0;
+  Vec3 X = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();       ///< outward
+  double area = 0.0;                ///< [m2], with the thickness of the plane or around the axis
+  double size = 0.0;                ///< edge length [m]
+  std::vector<std::string> groups;  ///< physical curves (surfaces) of a body mesh
+};
+
+// What of the surface has something to do, and so is followed. Each is a place of its own that travels with the cell that
+// holds it; `id` is its number among its kind, the same on every process.
+
+/// A surface point that carries a pressure.
+struct PressurePoint {
   Anchor anchor;
-  Vec2 normal = Vec2::Zero();
-  double length = 0.0;
-  std::vector<std::string> groups;  ///< physical curves of a body mesh
+  int id = 0, load = 0;        ///< load: index into the case's pressures
+  Vec3 force = Vec3::Zero();   ///< at load factor 1 [N]
 };
 
-/// A pressure load: the surface points in its region.
-struct PressureLoad {
-  const Pressure* spec = nullptr;
-  std::vector<int> points;
-  std::vector<double> area;  ///< loaded part of each [m2]
-};
-
-/// One surface point against one rigid body.
+/// A surface point against a rigid body.
 struct ContactPoint {
-  int point = 0;
+  Anchor anchor;
+  int id = 0, contact = 0;     ///< contact: index into the case's contacts
   double stiffness = 0.0;      ///< penalty times area [N/m]
-  Vec2 slip = Vec2::Zero();    ///< relative displacement since touch, t_n [m]
-  Vec2 normal = Vec2::Zero();  ///< outward normal of the rigid body, frozen in the step
+  Vec3 slip = Vec3::Zero();    ///< relative displacement since touch, t_n [m]
+  Vec3 normal = Vec3::Zero();  ///< outward normal of the rigid body, frozen in the step
   double gap = 0.0;            ///< at t_n, frozen normal [m]
 };
 
-struct RigidContact {
-  const Contact* spec = nullptr;
-  int rigid = -1;  ///< index into the case's bodies
-  std::vector<ContactPoint> points;
-  std::vector<Anchor> inside;     ///< shared_nodes: points of the rigid body
-  std::vector<int> shared_nodes;  ///< shared_nodes: nodes of the step that move with it
+/// A point of a rigid body whose cell moves with it (shared nodes).
+struct RigidPoint {
+  Anchor anchor;
+  int id = 0, contact = 0;
 };
 
 /// A held spot of a body.
 struct PinPoint {
   Anchor anchor;
-  bool x = false, y = false;
-  double stiffness = 0.0;
+  int id = 0;
+  Vec3 stiffness = Vec3::Zero();  ///< by direction; 0: free [N/m]
 };
 
+template <>
+inline constexpr bool is_plain<PressurePoint> = true;
+template <>
+inline constexpr bool is_plain<ContactPoint> = true;
+template <>
+inline constexpr bool is_plain<RigidPoint> = true;
+template <>
+inline constexpr bool is_plain<PinPoint> = true;
+
+/// Known to every process; each end is carried by the process that owns its cell.
 struct GaugeLine {
   std::string name;
   Anchor from, to;
-  Vec2 direction = Vec2::Zero();
+  bool from_here = false, to_here = false;  ///< does this process carry the end?
+  Vec3 direction = Vec3::Zero();
   double elongation() const { return direction.dot(to.u - from.u); }
 };
 

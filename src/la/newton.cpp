@@ -8,17 +8,11 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "base/stopwatch.hpp"
+#include "comm/mpi.hpp"
+#include "la/linear.hpp"
 
 namespace berm {
 namespace {
-
-void check(PetscErrorCode code, const char* what) {
-  if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(code, &text, nullptr);
-  throw RunError(std::string("PETSc: ") + what + " failed: " + (text ? text : "unknown error"));
-}
 
 std::span<const double> view(Vec v) {
   PetscInt n;
@@ -50,27 +44,32 @@ void start_petsc(const std::string& options) {
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {
-    check(PetscInitializeNoArguments(), "start");
+    check_petsc(PetscInitializeNoArguments(), "start");
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
     // MPI cannot be started twice in a process: it ends with the process, not with the run.
     std::atexit([] { PetscFinalize(); });
   }
-  if (!options.empty()) check(PetscOptionsInsertString(nullptr, options.c_str()), "reading its options");
+  if (!options.empty()) check_petsc(PetscOptionsInsertString(nullptr, options.c_str()), "reading its options");
 }
 
 struct NewtonSolver::Impl {
-  int max_iterations = 25;
+  Impl(const Solver& options, const Comm& group) : max_iterations(options.max_iterations), comm(group), linear(options, group) {}
+
+  int max_iterations;
+  Comm comm;
+  LinearSolver linear;
   SNES snes = nullptr;
   Mat mat = nullptr;
   Vec x = nullptr, r = nullptr, rhs = nullptr;
+  CsrMatrix* csr = nullptr;
   const Residual* residual = nullptr;
   const Jacobian* jacobian = nullptr;
   std::vector<double> x_buffer, r_buffer;
   std::vector<double> residuals;
   std::exception_ptr error;
-  double linear_seconds = 0.0, callback_seconds = 0.0;
 
   void destroy() {
+    linear.destroy();
     SNESDestroy(&snes);
     MatDestroy(&mat);
     VecDestroy(&x);
@@ -78,18 +77,47 @@ struct NewtonSolver::Impl {
     VecDestroy(&rhs);
   }
 
-  /// Tells PETSc that the values of the shared arrays have changed.
+  void make_matrix(const SystemLayout& layout) {
+    if (comm.size() == 1) {
+      const PetscInt n = csr->n;
+      check_petsc(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, csr->row_begin.data(), csr->column.data(),
+                                            csr->value.data(), &mat),
+                  "creating the matrix");
+      if (!layout.bordered) MatSetBlockSize(mat, layout.dimension);
+    } else {
+      if (layout.n_global > 2147483647)
+        throw RunError("more than 2^31 unknowns: PETSc's 32-bit numbers do not reach so far");
+      check_petsc(MatCreate(mpi_comm(comm), &mat), "creating the matrix");
+      MatSetSizes(mat, layout.n_mine, layout.n_mine, PETSC_DETERMINE, PETSC_DETERMINE);
+      MatSetType(mat, MATMPIAIJ);
+      if (!layout.bordered) MatSetBlockSize(mat, layout.dimension);
+      // Every process hands in its rows, ghosts' included: PETSc finds once where they go.
+      std::vector<PetscInt> rows(csr->column.size()), columns(csr->column.size());
+      for (int i = 0; i < csr->n; ++i)
+        for (int k = csr->row_begin[i]; k < csr->row_begin[i + 1]; ++k) {
+          rows[k] = static_cast<PetscInt>(layout.global[i]);
+          columns[k] = static_cast<PetscInt>(layout.global[csr->column[k]]);
+        }
+      check_petsc(MatSetPreallocationCOO(mat, static_cast<PetscCount>(rows.size()), rows.data(), columns.data()),
+                  "laying out the matrix");
+    }
+  }
+
+  /// Tells PETSc that the values have changed.
   void touch() {
+    if (comm.size() > 1) {
+      check_petsc(MatSetValuesCOO(mat, csr->value.data(), INSERT_VALUES), "filling the matrix");
+      return;
+    }
     PetscScalar* values;
     MatSeqAIJGetArray(mat, &values);
     MatSeqAIJRestoreArray(mat, &values);
   }
 
-  // PETSc is C: exceptions of the callbacks are carried around it.
+  // PETSc is C: exceptions of the callbacks are carried around it. They are the same on all processes (Comm::agree).
   static PetscErrorCode evaluate(SNES snes, Vec x, Vec r, void* context) {
     auto& self = *static_cast<Impl*>(context);
     try {
-      const Stopwatch watch(self.callback_seconds);
       const auto data = view(x);
       self.x_buffer.assign(data.begin(), data.end());
       if ((*self.residual)(self.x_buffer, self.r_buffer))
@@ -106,7 +134,6 @@ struct NewtonSolver::Impl {
   static PetscErrorCode differentiate(SNES, Vec x, Mat, Mat, void* context) {
     auto& self = *static_cast<Impl*>(context);
     try {
-      const Stopwatch watch(self.callback_seconds);
       const auto data = view(x);
       self.x_buffer.assign(data.begin(), data.end());
       (*self.jacobian)(self.x_buffer);
@@ -122,57 +149,61 @@ struct NewtonSolver::Impl {
     static_cast<Impl*>(context)->residuals.push_back(norm);
     return 0;
   }
+
+  /// SNES sees our linear solver as a preconditioner that is exact.
+  static PetscErrorCode apply(PC pc, Vec b, Vec x) {
+    void* context;
+    PCShellGetContext(pc, &context);
+    if (!static_cast<Impl*>(context)->linear.solve(b, x)) {
+      VecSet(x, 0.0);
+      PCSetFailedReason(pc, PC_SUBPC_ERROR);
+    }
+    return 0;
+  }
 };
 
-NewtonSolver::NewtonSolver(int max_iterations) : impl_(std::make_unique<Impl>()) {
-  impl_->max_iterations = max_iterations;
-}
+NewtonSolver::NewtonSolver(const Solver& options, const Comm& comm) : impl_(std::make_unique<Impl>(options, comm)) {}
 
 NewtonSolver::~NewtonSolver() { impl_->destroy(); }
 
-void NewtonSolver::set_matrix(CsrMatrix& matrix, bool symmetric) {
+void NewtonSolver::set_matrix(CsrMatrix& matrix, const SystemLayout& layout, bool symmetric) {
   Impl& m = *impl_;
   m.destroy();
-  const PetscInt n = matrix.n;
-  check(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, matrix.row_begin.data(), matrix.column.data(),
-                                  matrix.value.data(), &m.mat),
-        "creating the matrix");
-  if (symmetric) check(MatSetOption(m.mat, MAT_SPD, PETSC_TRUE), "marking the matrix as symmetric");
-  check(VecCreateSeq(PETSC_COMM_SELF, n, &m.x), "creating a vector");
-  check(VecDuplicate(m.x, &m.r), "creating a vector");
-  check(VecDuplicate(m.x, &m.rhs), "creating a vector");
-  m.r_buffer.assign(n, 0.0);
+  m.csr = &matrix;
+  m.make_matrix(layout);
+  if (symmetric) check_petsc(MatSetOption(m.mat, MAT_SPD, PETSC_TRUE), "marking the matrix as symmetric");
+  const MPI_Comm group = mpi_comm(m.comm);
+  check_petsc(MatCreateVecs(m.mat, &m.x, nullptr), "creating a vector");
+  check_petsc(VecDuplicate(m.x, &m.r), "creating a vector");
+  check_petsc(VecDuplicate(m.x, &m.rhs), "creating a vector");
+  m.r_buffer.assign(layout.n_mine, 0.0);
+  m.linear.set_matrix(m.mat, layout, symmetric);
 
-  check(SNESCreate(PETSC_COMM_SELF, &m.snes), "creating SNES");
+  check_petsc(SNESCreate(group, &m.snes), "creating SNES");
   SNESSetFunction(m.snes, m.r, Impl::evaluate, &m);
   SNESSetJacobian(m.snes, m.mat, m.mat, Impl::differentiate, &m);
   SNESMonitorSet(m.snes, Impl::monitor, &m, nullptr);
   SNESSetDivergenceTolerance(m.snes, -1.0);
-
   KSP ksp;
   PC pc;
   SNESGetKSP(m.snes, &ksp);
+  KSPSetOptionsPrefix(ksp, "newton_");
   KSPSetType(ksp, KSPPREONLY);
   KSPGetPC(ksp, &pc);
-  PCSetType(pc, symmetric ? PCCHOLESKY : PCLU);
-  PCFactorSetMatSolverType(pc, MATSOLVERMUMPS);
-  check(SNESSetFromOptions(m.snes), "reading solver options");
+  PCSetType(pc, PCSHELL);
+  PCShellSetContext(pc, &m);
+  PCShellSetApply(pc, Impl::apply);
+  check_petsc(SNESSetFromOptions(m.snes), "reading solver options");
 }
+
+const std::string& NewtonSolver::choice() const { return impl_->linear.choice(); }
 
 bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<double>& x) {
   x.clear();
-  if (rhs.empty()) return true;  // every displacement is prescribed
   Impl& m = *impl_;
   m.touch();
-  KSP ksp;
-  SNESGetKSP(m.snes, &ksp);
-  KSPSetOperators(ksp, m.mat, m.mat);
   copy(rhs, m.rhs);
-  const Stopwatch watch(m.linear_seconds);
-  if (KSPSolve(ksp, m.rhs, m.x) != 0) return false;
-  KSPConvergedReason reason;
-  KSPGetConvergedReason(ksp, &reason);
-  if (reason < 0) return false;
+  if (!m.linear.solve(m.rhs, m.x)) return false;
   const auto data = view(m.x);
   x.assign(data.begin(), data.end());
   return true;
@@ -190,14 +221,7 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool 
   SNESLineSearch search;
   SNESGetLineSearch(m.snes, &search);
   SNESLineSearchSetType(search, line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);
-  m.callback_seconds = 0.0;
-  double total = 0.0;
-  PetscErrorCode code;
-  {
-    const Stopwatch watch(total);
-    code = SNESSolve(m.snes, nullptr, m.x);
-  }
-  m.linear_seconds += total - m.callback_seconds;
+  const PetscErrorCode code = SNESSolve(m.snes, nullptr, m.x);
   if (m.error) std::rethrow_exception(m.error);
 
   NewtonResult result;
@@ -218,6 +242,7 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool 
   return result;
 }
 
-double NewtonSolver::linear_seconds() const { return impl_->linear_seconds; }
+double NewtonSolver::linear_seconds() const { return impl_->linear.seconds(); }
+LinearCount NewtonSolver::count() const { return impl_->linear.count(); }
 
 }  // namespace berm

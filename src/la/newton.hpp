@@ -1,11 +1,14 @@
 #pragma once
 /// Newton's method through PETSc's SNES, and the linear solver inside it. The only header above PETSc.
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "case/case.hpp"
+#include "comm/comm.hpp"
 #include "method/csr.hpp"
 
 namespace berm {
@@ -22,19 +25,41 @@ struct NewtonResult {
   std::string reason;             ///< why it did not converge
 };
 
+/// Where the rows of a process's matrix stand in the whole. A process owns its first `n_mine` unknowns, but for the
+/// border's one, which comes last in its matrix and is owned by the last process.
+struct SystemLayout {
+  int dimension = 2;                 ///< unknowns a node
+  int n_mine = 0;                    ///< unknowns that this process owns, a border's included
+  bool bordered = false;
+  std::vector<std::int64_t> global;  ///< number in the whole of every row of this process's matrix
+  std::int64_t n_global = 0;
+  std::vector<Vec3> places;          ///< of the owned nodes: rigid modes for multigrid
+};
+
+/// Counts of the linear solver since the start.
+struct LinearCount {
+  long solves = 0, iterations = 0, fallbacks = 0;
+};
+
 class NewtonSolver {
 public:
-  /// r(x); false: x is outside of what the laws are defined for (the line search then shortens the step).
+  /// r(x); false: x is outside of what the laws are defined for (the line search then shortens the step). Vectors hold
+  /// the unknowns that this process owns.
   using Residual = std::function<bool(const std::vector<double>& x, std::vector<double>& r)>;
   /// Fills the matrix given to set_matrix at x.
   using Jacobian = std::function<void(const std::vector<double>& x)>;
 
-  explicit NewtonSolver(int max_iterations);
+  NewtonSolver(const Solver& options, const Comm& comm);
   ~NewtonSolver();
 
-  /// The matrix that the Jacobian callback fills; its arrays are used in place, so it must outlive the solver or the
-  /// next set_matrix. symmetric: LDL^T, else LU, both by MUMPS; PETSc's options override either.
-  void set_matrix(CsrMatrix& matrix, bool symmetric);
+  /// The matrix that the Jacobian callback fills; one process uses its arrays in place, so it must outlive the solver or
+  /// the next set_matrix. symmetric: also positive definite. Collective.
+  ///
+  /// Direct solver: MUMPS, L D L^T or L U. Iterative: conjugate gradients or GMRES with algebraic multigrid that knows the
+  /// rigid modes; its prolongation is kept as long as the matrix keeps its pattern. PETSc's options override everything.
+  void set_matrix(CsrMatrix& matrix, const SystemLayout& layout, bool symmetric);
+  /// What was chosen and why, for the log.
+  const std::string& choice() const;
 
   /// Solves matrix * x = rhs with the values now in the matrix. False if the factorisation failed.
   bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
@@ -44,8 +69,9 @@ public:
   NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
                      const Jacobian& jacobian);
 
-  /// Seconds spent in factorisation and substitution since the start.
+  /// Seconds spent in solving linear systems since the start, set-up included.
   double linear_seconds() const;
+  LinearCount count() const;
 
 private:
   struct Impl;

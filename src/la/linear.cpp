@@ -1,0 +1,133 @@
+#include "la/linear.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "comm/mpi.hpp"
+
+namespace berm {
+namespace {
+
+/// In space a factorisation of more unknowns than this costs more than multigrid (bench/README.md).
+constexpr std::int64_t largest_direct = 20000;
+constexpr int most_iterations = 500;
+/// After so many systems in a row that the iterative method did not solve it is left out until the pattern changes.
+constexpr int patience = 3;
+
+}  // namespace
+
+void check_petsc(PetscErrorCode code, const char* what) {
+  if (code == 0) return;
+  const char* text = nullptr;
+  PetscErrorMessage(code, &text, nullptr);
+  throw RunError(std::string("PETSc: ") + what + " failed: " + (text ? text : "unknown error"));
+}
+
+void LinearSolver::destroy() {
+  KSPDestroy(&ksp_);
+  KSPDestroy(&fallback_);
+}
+
+/// Direct in the plane (nested dissection keeps factors small), in small systems and in bordered ones.
+void LinearSolver::choose(const SystemLayout& layout) {
+  using Linear = Solver::Linear;
+  const std::string size = fmt::format("{} unknowns in {}", layout.n_global, layout.dimension == 3 ? "space" : "the plane");
+  iterative_ = options_.linear == Linear::iterative ||
+               (options_.linear == Linear::automatic && layout.dimension == 3 && layout.n_global > largest_direct);
+  if (layout.bordered) iterative_ = false;
+  const char* factors = symmetric_ ? "L D L^T" : "L U";
+  const char* krylov = symmetric_ ? "conjugate gradients" : "GMRES";
+  const char* why = options_.linear != Linear::automatic && !(layout.bordered && options_.linear == Linear::iterative)
+                        ? ", as the case says"
+                    : layout.bordered ? ", bordered by the gauge"
+                                      : "";
+  choice_ = iterative_ ? fmt::format("{} with algebraic multigrid ({}{}); MUMPS if it stagnates", krylov, size, why)
+                       : fmt::format("MUMPS, {} ({}{})", factors, size, why);
+}
+
+KSP LinearSolver::make_direct(const char* prefix) const {
+  KSP ksp;
+  PC pc;
+  check_petsc(KSPCreate(mpi_comm(comm_), &ksp), "creating a solver");
+  KSPSetOptionsPrefix(ksp, prefix);
+  KSPSetType(ksp, KSPPREONLY);
+  KSPGetPC(ksp, &pc);
+  PCSetType(pc, symmetric_ ? PCCHOLESKY : PCLU);
+  PCFactorSetMatSolverType(pc, MATSOLVERMUMPS);
+  return ksp;
+}
+
+void LinearSolver::make_iterative(const SystemLayout& layout) {
+  PC pc;
+  check_petsc(KSPCreate(mpi_comm(comm_), &ksp_), "creating a solver");
+  KSPSetType(ksp_, symmetric_ ? KSPCG : KSPGMRES);
+  if (!symmetric_) {
+    KSPGMRESSetRestart(ksp_, 60);
+    KSPSetPCSide(ksp_, PC_RIGHT);
+  }
+  // The default norm, of the preconditioned residual, stops multigrid at a true residual of 1e-5.
+  KSPSetNormType(ksp_, KSP_NORM_UNPRECONDITIONED);
+  KSPSetTolerances(ksp_, options_.linear_tolerance, 0.0, 1e8, most_iterations);
+  KSPGetPC(ksp_, &pc);
+  PCSetType(pc, PCGAMG);
+  PCGAMGSetReuseInterpolation(pc, PETSC_TRUE);
+
+  Vec coordinates;
+  check_petsc(MatCreateVecs(matrix_, &coordinates, nullptr), "creating a vector");
+  PetscScalar* x;
+  VecGetArray(coordinates, &x);
+  for (const Vec3& place : layout.places)
+    for (int i = 0; i < layout.dimension; ++i) *x++ = place[i];
+  VecRestoreArray(coordinates, &x);
+  MatNullSpace rigid_modes;
+  check_petsc(MatNullSpaceCreateRigidBody(coordinates, &rigid_modes), "making the rigid modes");
+  MatSetNearNullSpace(matrix_, rigid_modes);
+  MatNullSpaceDestroy(&rigid_modes);
+  VecDestroy(&coordinates);
+}
+
+void LinearSolver::set_matrix(Mat matrix, const SystemLayout& layout, bool symmetric) {
+  destroy();
+  matrix_ = matrix;
+  symmetric_ = symmetric;
+  stagnated_ = 0;
+  choose(layout);
+  if (iterative_)
+    make_iterative(layout);
+  else
+    ksp_ = make_direct("");
+  check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+}
+
+bool LinearSolver::run(KSP ksp, Vec b, Vec x, int* iterations) {
+  KSPSetOperators(ksp, matrix_, matrix_);
+  if (KSPSolve(ksp, b, x) != 0) return false;
+  KSPConvergedReason reason;
+  KSPGetConvergedReason(ksp, &reason);
+  PetscInt n = 0;
+  KSPGetIterationNumber(ksp, &n);
+  *iterations = n;
+  return reason > 0;
+}
+
+bool LinearSolver::solve(Vec b, Vec x) {
+  const Stopwatch watch(seconds_);
+  ++count_.solves;
+  int iterations = 0;
+  if (!iterative_ || stagnated_ < patience) {
+    const bool solved = run(ksp_, b, x, &iterations);
+    count_.iterations += iterations;
+    if (solved) {
+      stagnated_ = 0;
+      return true;
+    }
+    if (!iterative_) return false;
+    ++stagnated_;
+  }
+  ++count_.fallbacks;
+  if (!fallback_) fallback_ = make_direct("fallback_");
+  return run(fallback_, b, x, &iterations);
+}
+
+}  // namespace berm

@@ -1,0 +1,49 @@
+#pragma once
+/// A linear system that is solved iteratively, or directly if that fails. For la/ only: sees PETSc.
+
+#include <petscksp.h>
+
+#include <string>
+
+#include "la/newton.hpp"
+
+namespace berm {
+
+/// Throws RunError with PETSc's text unless code is 0.
+void check_petsc(PetscErrorCode code, const char* what);
+
+class LinearSolver {
+public:
+  LinearSolver(const Solver& options, const Comm& comm) : options_(options), comm_(comm) {}
+  ~LinearSolver() { destroy(); }
+  LinearSolver(const LinearSolver&) = delete;
+  LinearSolver& operator=(const LinearSolver&) = delete;
+
+  /// Takes the matrix for the coming systems; its values may change, its pattern may not.
+  void set_matrix(Mat matrix, const SystemLayout& layout, bool symmetric);
+  /// True if x solves matrix * x = b.
+  bool solve(Vec b, Vec x);
+  void destroy();
+
+  const std::string& choice() const { return choice_; }
+  const LinearCount& count() const { return count_; }
+  double seconds() const { return seconds_; }
+
+private:
+  void choose(const SystemLayout& layout);
+  void make_iterative(const SystemLayout& layout);
+  KSP make_direct(const char* prefix) const;
+  bool run(KSP ksp, Vec b, Vec x, int* iterations);
+
+  const Solver& options_;
+  Comm comm_;
+  Mat matrix_ = nullptr;
+  KSP ksp_ = nullptr, fallback_ = nullptr;
+  bool symmetric_ = false, iterative_ = false;
+  int stagnated_ = 0;  ///< in a row
+  std::string choice_;
+  LinearCount count_;
+  double seconds_ = 0.0;
+};
+
+}  // namespace berm
