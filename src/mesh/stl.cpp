@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <unordered_map>
@@ -28,10 +31,11 @@ using Corners = std::vector<Vec3>;  ///< three a triangle
 }
 
 std::string read_all(const std::string& path) {
+  if (std::filesystem::is_directory(path)) fail(path, "is a folder (an STL file is needed)");
   std::ifstream file(path, std::ios::binary);
   if (!file) fail(path, "cannot be read (check the path and the permissions)");
   std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (file.bad() || content.empty()) fail(path, "is empty or not a file (an STL surface is needed)");
+  if (file.bad() || content.empty()) fail(path, "is empty (an STL surface is needed)");
   return content;
 }
 

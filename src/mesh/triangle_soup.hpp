@@ -26,8 +26,6 @@ struct HalfSpace {
 /// The soup of what lies in the half-space. Every cut triangle leaves a segment in the plane, whose sum is closed;
 /// triangles from one fixed point of the plane to all segments close the soup again.
 void cut(const Soup& soup, const HalfSpace& half, Soup& out);
-/// The same for the half-space sign * x[axis] <= sign * position; cut points lie exactly in the plane.
-void cut(const Soup& soup, int axis, double position, double sign, Soup& out);
 
 /// Volume and its first moment about `origin` by the divergence theorem.
 struct SolidMoments {
