@@ -39,22 +39,66 @@ def nominal_stress(u):
     return np.where(u <= PEAK_AT, 124.4e9 * u, peak * (0.32 + 0.15 * np.exp(-(u - PEAK_AT) / 1e-4)))
 
 
-def write_points(path, fields):
+def write_grid(path, position, kind, cells, point_data=None, cell_data=None):
+    """A .vtu: position (n, 3) [m]; cells (m, k) of the VTK type `kind`; {name: array}."""
     grid = vtkUnstructuredGrid()
     points = vtkPoints()
-    points.SetData(numpy_to_vtk(fields["position"], deep=True))
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(position, dtype=float), deep=True))
     grid.SetPoints(points)
-    for p in range(len(fields["position"])):
-        grid.InsertNextCell(VTK_VERTEX, 1, [p])
-    for name, values in fields.items():
-        if name != "position":
+    for cell in cells:
+        grid.InsertNextCell(kind, len(cell), [int(node) for node in cell])
+    for target, data in ((grid.GetPointData(), point_data or {}), (grid.GetCellData(), cell_data or {})):
+        for name, values in data.items():
             array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
             array.SetName(name)
-            grid.GetPointData().AddArray(array)
+            target.AddArray(array)
     writer = vtkXMLUnstructuredGridWriter()
     writer.SetFileName(path)
     writer.SetInputData(grid)
     writer.Write()
+
+
+def write_points(path, fields):
+    data = {name: values for name, values in fields.items() if name != "position"}
+    write_grid(path, fields["position"], VTK_VERTEX, np.arange(len(fields["position"]))[:, None], data)
+
+
+def write_pieces(path, sources):
+    """A .pvtu that names its pieces; what else such a file says, berm does not read."""
+    pieces = "".join(f'<Piece Source="{source}"/>' for source in sources)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(
+            '<?xml version="1.0"?><VTKFile type="PUnstructuredGrid" version="1.0"><PUnstructuredGrid GhostLevel="0">'
+            f"{pieces}</PUnstructuredGrid></VTKFile>"
+        )
+
+
+def write_series(path, entries):
+    """A .pvd of [(time [s], file)]."""
+    sets = "".join(f'<DataSet timestep="{time}" part="0" file="{file}"/>' for time, file in entries)
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(
+            f'<?xml version="1.0"?><VTKFile type="Collection" version="1.0"><Collection>{sets}</Collection></VTKFile>'
+        )
+
+
+def split_frames(folder, processes, seed=0):
+    """Rewrites the points of a run as `processes` processes do: pieces in any order, ids of all points."""
+    from berm.results import read_points, read_series
+
+    series = read_series(os.path.join(folder, "points.pvd"))
+    random, entries = np.random.default_rng(seed), []
+    for k, (time, file) in enumerate(series):
+        fields = read_points(file)
+        order = random.permutation(len(fields["position"]))
+        os.remove(file)
+        sources = []
+        for rank, part in enumerate(np.array_split(order, processes)):
+            sources.append(f"points_{k:04d}_{rank}.vtu")
+            write_points(os.path.join(folder, sources[-1]), {name: v[part] for name, v in fields.items()})
+        entries.append((time, f"points_{k:04d}.pvtu"))
+        write_pieces(os.path.join(folder, entries[-1][1]), sources)
+    write_series(os.path.join(folder, "points.pvd"), entries)
 
 
 def point_fields(time, cell, noise, seed):
@@ -86,6 +130,7 @@ def point_fields(time, cell, noise, seed):
         "damage": damage,
         "volume": np.full(n, 0.25 * cell**2),
         "body": np.zeros(n, dtype=np.int32),
+        "id": np.arange(n, dtype=np.int64),
         "crack_opening": 3e-4 * damage * (u > PEAK_AT),
         "released_energy_fraction": damage**2,
     }
@@ -124,15 +169,11 @@ def write_run(folder, method="mpm", factor=1.0, cell=0.005, steps=300, frames=4,
                     0.2 * u[k],
                 ]
             )
-    with open(os.path.join(folder, "points.pvd"), "w", encoding="utf-8") as file:
-        entries = []
-        for k, t in enumerate(np.linspace(0.0, 1.0, frames)):
-            write_points(os.path.join(folder, f"points_{k:04d}.vtu"), point_fields(t, cell, noise, k))
-            entries.append(f'<DataSet timestep="{t}" part="0" file="points_{k:04d}.vtu"/>')
-        file.write(
-            f'<?xml version="1.0"?><VTKFile type="Collection" version="1.0"><Collection>{"".join(entries)}'
-            "</Collection></VTKFile>"
-        )
+    entries = []
+    for k, t in enumerate(np.linspace(0.0, 1.0, frames)):
+        entries.append((t, f"points_{k:04d}.vtu"))
+        write_points(os.path.join(folder, entries[-1][1]), point_fields(t, cell, noise, k))
+    write_series(os.path.join(folder, "points.pvd"), entries)
     half = 0.5 * WIDTH
     ring = [[-half, 0.0], [half, 0.0], [half, HEIGHT], [-half, HEIGHT]]
     summary = {
