@@ -217,3 +217,135 @@ def write_reference(path):
             "0,0\n0.5,16\n1.0,28\n1.5,34\n2.0,30\n"
         )
     return path
+
+
+RADIUS, LENGTH, PUSH = 0.025, 0.1, 4e-4
+PUSH_AT_PEAK = 2.2e-4
+
+
+def cylinder_fields(start, push, axis):
+    """Fields of a compressed cylinder at places (n, 3) [m]: the stress along the axis grows from the middle outwards and
+    towards the ends; beyond the peak there is an inclined band of damage.
+    """
+    across = start[:, [d for d in range(3) if d != axis]]
+    height, radius = start[:, axis], np.linalg.norm(across, axis=1)
+    band = np.exp(-(((height - 0.5 * LENGTH - 1.3 * across[:, 0]) / 0.004) ** 2))
+    damage = np.clip(2.0 * band * np.clip((push - PUSH_AT_PEAK) / 1e-4, 0.0, 1.0), 0.0, 0.99)
+    stress = np.zeros((len(start), 6))
+    level = -30e9 * min(push, PUSH_AT_PEAK) / LENGTH
+    stress[:, axis] = level * (1.0 + 0.25 * (radius / RADIUS) ** 2 * np.cos(2 * np.pi * height / LENGTH)) * (1 - damage)
+    displacement = 0.2 * push * start / LENGTH
+    displacement[:, axis] = -push * height / LENGTH
+    return {
+        "displacement": displacement,
+        "stress": stress,
+        "strain": np.zeros((len(start), 6)),
+        "damage": damage,
+        "crack_opening": 1e-4 * damage,
+    }
+
+
+def disc_grid(count):
+    """(nodes (count + 1)^2 in the unit disc, quadrilaterals): a square of cells, mapped."""
+    line = np.linspace(-1.0, 1.0, count + 1)
+    u, v = (a.ravel() for a in np.meshgrid(line, line))
+    nodes = np.stack([u * np.sqrt(1.0 - 0.5 * v**2), v * np.sqrt(1.0 - 0.5 * u**2)], axis=1)
+    first = (np.arange(count)[:, None] * (count + 1) + np.arange(count)).ravel()
+    return nodes, first[:, None] + [0, 1, count + 2, count + 1]
+
+
+def turned(points, axis):
+    """Bodies are made along z; this makes them stand along `axis`."""
+    return np.roll(points, axis - 2, axis=1)
+
+
+def cylinder_surface(segments=32):
+    """(points, triangles): long slivers along the side, fans at the ends, as a coarse surface has them."""
+    angle = 2.0 * np.pi * np.arange(segments) / segments
+    ring = RADIUS * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    points = np.vstack([ring, ring + [0.0, 0.0, LENGTH], [[0.0, 0.0, 0.0], [0.0, 0.0, LENGTH]]])
+    a = np.arange(segments)
+    b, n = (a + 1) % segments, segments
+    low, high = np.full(n, 2 * n), np.full(n, 2 * n + 1)
+    sets = [(a, b, b + n), (a, b + n, a + n), (b, a, low), (a + n, b + n, high)]
+    return points, np.vstack([np.stack(s, axis=1) for s in sets])
+
+
+def box_surface(low, high):
+    corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)]) * np.subtract(high, low) + low
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return corners, np.array([t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))])
+
+
+def write_cylinder(folder, method="mpm", axis=2, spacing=0.005, steps=40, times=(0.0, 0.25, 0.55, 1.0), noise=0.0):
+    """A 3D run: a cylinder compressed along `axis` by a rigid platen; a known field of stress (cylinder_fields)."""
+    os.makedirs(folder, exist_ok=True)
+    count = max(2, round(2 * RADIUS / spacing))
+    layers = round(LENGTH / spacing)
+    if method == "mpm":
+        line = (np.arange(count) + 0.5) * spacing - RADIUS
+        x, y, z = (a.ravel() for a in np.meshgrid(line, line, (np.arange(layers) + 0.5) * spacing))
+        inside = np.hypot(x, y) < RADIUS
+        start = np.stack([x, y, z], axis=1)[inside]
+        volume = np.full(len(start), spacing**3)
+    else:
+        disc, quads = disc_grid(count)
+        disc = RADIUS * disc
+        nodes = np.vstack([np.column_stack([disc, np.full(len(disc), k * spacing)]) for k in range(layers + 1)])
+        cells = np.vstack([np.hstack([quads, quads + len(disc)]) + k * len(disc) for k in range(layers)])
+        start = nodes[cells].mean(axis=1)
+        sides = disc[quads]
+        area = 0.5 * np.abs(np.cross(sides[:, 2] - sides[:, 0], sides[:, 3] - sides[:, 1]))
+        volume = np.tile(area, layers) * spacing
+        nodes = turned(nodes, axis)
+    start = turned(start, axis)
+    random = np.random.default_rng(1)
+    points, meshes = [], []
+    for k, time in enumerate(times):
+        fields = cylinder_fields(start, PUSH * time, axis)
+        fields["stress"][:, axis] *= 1.0 + noise * random.standard_normal(len(start))
+        points.append((time, f"points_{k:04d}.vtu"))
+        more = {
+            "position": start + fields["displacement"],
+            "volume": volume,
+            "body": np.zeros(len(start), dtype=np.int32),
+            "id": np.arange(len(start), dtype=np.int64),
+        }
+        write_points(os.path.join(folder, points[-1][1]), {**fields, **more})
+        if method == "fem":
+            moved = cylinder_fields(nodes, PUSH * time, axis)["displacement"]
+            meshes.append((time, f"mesh_{k:04d}.vtu"))
+            data = {name: fields[name] for name in ("stress", "damage")}
+            write_grid(os.path.join(folder, meshes[-1][1]), nodes + moved, 12, cells, {"displacement": moved}, data)
+    write_series(os.path.join(folder, "points.pvd"), points)
+    if meshes:
+        write_series(os.path.join(folder, "mesh.pvd"), meshes)
+    bodies = {
+        "specimen": cylinder_surface(),
+        "platen": box_surface((-0.03, -0.03, LENGTH), (0.03, 0.03, LENGTH + 0.01)),
+    }
+    for name, (places, triangles) in bodies.items():
+        write_grid(os.path.join(folder, f"surface_{name}.vtu"), turned(places, axis), 5, triangles)
+    time = np.linspace(0.0, 1.0, steps + 1)
+    push = PUSH * time
+    stress = 30e9 / LENGTH * np.where(push <= PUSH_AT_PEAK, push, PUSH_AT_PEAK * np.exp((PUSH_AT_PEAK - push) / 1e-4))
+    rows = zip(range(steps + 1), time, push, stress * np.pi * RADIUS**2, stress, push / LENGTH, time)
+    with open(os.path.join(folder, "history.csv"), "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([COLUMNS[:7], *rows])
+    with open(os.path.join(folder, "case.toml"), "w", encoding="utf-8") as file:
+        motion = turned(np.array([[0.0, 0.0, -PUSH]]), axis)[0].tolist()
+        file.write(f"[body.platen]\nrigid = true\ndisplacement = {motion}\n[body.specimen]\nrigid = false\n")
+    summary = {
+        "title": "Cylinder in compression",
+        "method": method,
+        "status": "done",
+        "dimension": 3,
+        "axisymmetric": False,
+        "processes": 1,
+        "body_rings": {},
+        "body_surfaces": {name: f"surface_{name}.vtu" for name in bodies},
+        "metrics": {"peak_stress [Pa]": stress.max()},
+    }
+    with open(os.path.join(folder, "summary.json"), "w", encoding="utf-8") as file:
+        json.dump(summary, file)
+    return folder
