@@ -33,6 +33,12 @@ def refine(points, triangles, length):
     )
 
 
+def area(points, triangles):
+    """Area of a surface [m2]."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
 def cut_rings(points, triangles, heights):
     """Closed rings [(k, 3)] where the surface has height 0; heights (n,) of its points [m]."""
     above = heights >= 0.0
@@ -96,7 +102,7 @@ class Body:
             if not within.any():
                 continue
             number = int(np.bincount(self.number[within]).argmax())
-            points, triangles = refine(points, triangles, 2.0 * self.spacing)
+            points, triangles = refine(points, triangles, max(self.spacing, np.sqrt(area(points, triangles) / 1e5)))
             of = np.flatnonzero(self.number == number)
             shift = self.shift[of[nearest(self.start[of], points)]]
             self.surfaces.setdefault(number, []).append((points, points + shift, triangles))

@@ -336,6 +336,7 @@ def map_figure(scenes, field, heading, notes):
         scene.draw_bodies(panel, length_factor)
         if scene.mirrored:
             panel.axvline(0.0, color="#333333", linewidth=0.5, linestyle=(0, (8, 3, 1, 3)))
+            panel.xaxis.set_major_formatter(lambda radius, _: f"{abs(radius):g}")
         panel.set_xlim(np.array(extent[:2]) / length_factor)
         panel.set_ylim(np.array(extent[2:]) / length_factor)
         panel.grid(False)

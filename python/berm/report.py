@@ -302,7 +302,7 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
     """Pictures of 3D runs: sections through the middle and, with pyvista, the bodies themselves."""
     from berm.body import loading_direction, make_bodies, make_sections, section_axes
     from berm.figures import MAPS, level_field, map_figure
-    from berm.solid import solid_figure, why_not
+    from berm.solid import can_draw, solid_figure, why_not
 
     peak, last = frame_indices(runs)
     elastic = elastic_frames(runs)
@@ -314,7 +314,7 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
     # Where the peak is the last frame, that one shows the stress too.
     fields = {"elastic": (stress,), "peak": (stress, damage), "last": (damage, opening) if peak else (stress, damage)}
     missing = why_not()
-    parts = []
+    parts, bare = [], []
     for (name, heading, title), indices in zip(SOLID_FRAMES, (elastic, peak, last)):
         if indices is None:
             continue
@@ -323,14 +323,12 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
             continue
         notes = [load_note(body) for body in bodies]
         images = []
-        if not missing:
-            for field in fields[name][:2]:
-                if field is opening:
-                    continue
-                figure = solid_figure(bodies, field, heading, notes, loading)
-                if figure:
-                    alt = f"{field.label}, {heading}, in space"
-                    images.append(pictures.html(figure, f"{prefix}{name}_{field.name}_3d", alt))
+        bare = [body.label for body in bodies if not can_draw(body)]
+        for field in () if missing or len(bare) == len(bodies) else [f for f in fields[name] if f is not opening]:
+            figure = solid_figure(bodies, field, heading, notes, loading)
+            if figure:
+                alt = f"{field.label}, {heading}, in space"
+                images.append(pictures.html(figure, f"{prefix}{name}_{field.name}_3d", alt))
         for axes in section_axes(loading):
             sections = make_sections(bodies, *axes)
             normal = "xyz"[axes[0]]
@@ -343,19 +341,22 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
         parts.append(f'<h2>{title}</h2><div class="figures">{"".join(images)}</div>')
         if name == "peak":
             parts.append(f'<p class="note">{peak_note(bodies)}</p>')
-    note = (
+    text = (
         f"Bodies are deformed, displacements × {scale:g}. Sections: every place has the value of the nearest point; "
         "white inside a body: it has opened by more than the side of a point; hatched: rigid bodies. "
         "Stresses: Cauchy, tension positive; colours span the 1st to 99th percentile of all runs in a picture, "
         "below each map are the extremes."
     )
     if not missing:
-        note += (
+        text += (
             " Pictures in space: above the surface, below with the front quarter taken out along the middle planes; "
-            "fem: means of the elements, mpm: means of the points within a spacing, weighted by distance; "
+            "fem: means of the elements, mpm: means of the points within 1.5 spacings, weighted by distance; "
             "grey lines: rigid bodies."
         )
-    return f'<p class="note">{note}</p>' + (f'<p class="note">{html.escape(missing)}</p>' if missing else "") + "".join(parts)
+    sentences = [text, missing]
+    if bare and not missing:
+        sentences.append(f"Not drawn in space, as summary.json names no body_surfaces: {', '.join(bare)}.")
+    return "".join(f'<p class="note">{html.escape(t)}</p>' for t in sentences if t) + "".join(parts)
 
 
 KINDS = (

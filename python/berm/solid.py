@@ -81,7 +81,7 @@ class View:
         self.extent = (
             flat[:, 0].min() - 3.2 * margin,
             flat[:, 0].max() + margin,
-            flat[:, 1].min() - 2.6 * margin,
+            flat[:, 1].min() - 1.5 * margin,
             flat[:, 1].max() + 0.4 * margin,
         )
 
@@ -105,6 +105,11 @@ class View:
         return found + [(self.up, a, b)]
 
 
+def can_draw(body):
+    """Whether there is a surface to draw: of a finite element mesh, or that of the body at the start."""
+    return bool(body.surfaces) or body.run.summary.get("method") == "fem" and bool(body.run.mesh_frames)
+
+
 def _polydata(points, triangles):
     import pyvista
 
@@ -115,8 +120,11 @@ def _polydata(points, triangles):
 def _mesh_parts(body, field, sections, mesh):
     """(skin, faces of the sections) of a finite element mesh, with cell data "value"."""
     import pyvista
+    from vtkmodules.vtkFiltersGeometry import vtkDataSetSurfaceFilter
 
     grid = pyvista.wrap(mesh).copy()
+    if body.run.summary.get("processes", 1) > 1:
+        grid = grid.clean()  # pieces have their own nodes where they meet: without them there is no surface between
     grid.cell_data["value"] = field.of({field.array: np.asarray(grid.cell_data[field.array])})
     displacement = np.asarray(grid.point_data["displacement"])
     grid.points = grid.points + (body.scale - 1.0) * displacement  # files hold the current places
@@ -125,7 +133,10 @@ def _mesh_parts(body, field, sections, mesh):
         origin = np.zeros(3)
         origin[section.normal] = section.height
         faces.append(grid.slice(normal=np.eye(3)[section.normal], origin=origin))
-    return grid.extract_surface(algorithm="dataset_surface"), faces
+    surface = vtkDataSetSurfaceFilter()
+    surface.SetInputData(grid)
+    surface.Update()
+    return pyvista.wrap(surface.GetOutput()), faces
 
 
 def _point_parts(body, field, sections):
@@ -220,16 +231,21 @@ def _render(parts, rigid, view, colours, size):
             cmap=plt.get_cmap(colours.cmap),
             show_scalar_bar=False,
             lighting=shaded,
-            ambient=0.72,
-            diffuse=0.33,
+            # Little shade: the colours have to be those of the bar.
+            ambient=0.88 if shaded else 1.0,
+            diffuse=0.13 if shaded else 0.0,
             specular=0.0,
             n_colors=256,
             interpolate_before_map=True,
         )
         edges = mesh.extract_feature_edges(
-            feature_angle=40.0, boundary_edges=not shaded, non_manifold_edges=False, manifold_edges=False
+            feature_angle=40.0,
+            feature_edges=shaded,
+            boundary_edges=not shaded,
+            non_manifold_edges=False,
+            manifold_edges=False,
         )
-        if edges.n_cells and shaded:
+        if edges.n_cells:
             plotter.add_mesh(edges, color=INK, line_width=1.5, lighting=False)
     for points, triangles in rigid:
         edges = _polydata(points, triangles).extract_feature_edges(
@@ -253,42 +269,38 @@ def _render(parts, rigid, view, colours, size):
     return picture
 
 
-def _draw_box(panel, view):
-    """Edges of the box around everything with numbers in a readable unit."""
+def _draw_box(panel, view, scale):
+    """Edges of the box around everything with numbers in a readable unit. scale: inches a metre."""
     factor, unit = unit_for("m", np.abs([view.low, view.high]).max())
-    size = view.extent[3] - view.extent[2]
     centre = view.flat(0.5 * (view.low + view.high))
     for direction, a, b in view.edges():
         ends = view.flat([a, b])
         panel.plot(*ends.T, color="#777777", linewidth=0.6)
         along = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-        outward = np.array([along[1], -along[0]])
+        outward = np.array([along[1], -along[0]]) / scale  # an inch
         outward *= np.sign(outward @ (ends.mean(axis=0) - centre))
-        align = {"ha": "right" if outward[0] < -0.3 else "left" if outward[0] > 0.3 else "center"}
-        align["va"] = "center" if abs(outward[0]) > 0.9 else "top"
-        length = abs(b[direction] - a[direction]) / factor
-        bins = 5 if direction == view.up else 3
-        ticks = [
-            t
-            for t in MaxNLocator(bins, steps=[1, 2, 2.5, 5, 10]).tick_values(a[direction] / factor, b[direction] / factor)
-            if a[direction] / factor - 1e-6 * length <= t <= b[direction] / factor + 1e-6 * length
-        ]
-        for t in ticks:
+        upright = direction == view.up
+        align = {"ha": "right" if outward[0] < 0.0 else "left", "va": "center" if upright else "top"}
+        low, high = a[direction] / factor, b[direction] / factor
+        low, high = min(low, high), max(low, high)
+        room = np.linalg.norm(ends[1] - ends[0]) * scale
+        locator = MaxNLocator(max(2, min(5, int(room / 0.45))), steps=[1, 2, 2.5, 5, 10])
+        for t in locator.tick_values(low, high):
+            if not low - 1e-6 * (high - low) <= t <= high + 1e-6 * (high - low):
+                continue
             place = a.copy()
             place[direction] = t * factor
             foot = view.flat(place)
-            panel.plot(*np.stack([foot, foot + 0.012 * size * outward]).T, color="#777777", linewidth=0.6)
-            text = f"{t:g}".replace("-", "−")
-            panel.text(*(foot + 0.02 * size * outward), text, fontsize=6.5, color=INK, **align)
-        middle = ends.mean(axis=0) + (0.1 if direction == view.up else 0.085) * size * outward
+            panel.plot(*np.stack([foot, foot + 0.05 * outward]).T, color="#777777", linewidth=0.6)
+            panel.text(*(foot + 0.07 * outward), f"{t:g}".replace("-", "−"), fontsize=6.5, color=INK, **align)
         panel.text(
-            *middle,
+            *(ends.mean(axis=0) + 0.36 * outward),
             f"{'xyz'[direction]} [{unit}]",
             fontsize=7.5,
             color=INK,
-            ha="center",
+            ha="center" if upright else align["ha"],
             va="center",
-            rotation=90 if direction == view.up else 0,
+            rotation=90 if upright else 0,
         )
 
 
@@ -320,7 +332,7 @@ def solid_figure(bodies, field, heading, notes, loading):
             panel = figure.add_axes((left, 1.0 - (top + down) / height, across / width, down / height))
             picture = _render(parts[name], body.rigid, view, colours, size)
             panel.imshow(picture, extent=view.extent, interpolation="antialiased")
-            _draw_box(panel, view)
+            _draw_box(panel, view, scale)
             panel.set_xlim(x0, x1)
             panel.set_ylim(y0, y1)
             panel.axis("off")
@@ -333,7 +345,8 @@ def solid_figure(bodies, field, heading, notes, loading):
     length = min(2.0 * down, 3.6)
     bar_left, bar_top = LEFT + columns * cell - GAP + 0.25, HEADING + above + down - 0.5 * length
     bar = figure.add_axes((bar_left / width, 1.0 - (bar_top + length) / height, 0.13 / width, length / height))
-    mappable = plt.cm.ScalarMappable(norm=plt.Normalize(*(colours.limits()[k] for k in ("vmin", "vmax"))), cmap=colours.cmap)
+    norm = plt.Normalize(colours.low / colours.factor, colours.high / colours.factor)
+    mappable = plt.cm.ScalarMappable(norm=norm, cmap=colours.cmap)
     colours.bar(figure, mappable, bar, field.label)
     heading_text(figure, f"{field.label}, {heading}")
     return figure
