@@ -151,9 +151,9 @@ class Section(Drawing):
         self.picture, self.extent, self.pixel = None, None, None
 
     def _cut(self, surfaces):
-        rings = [
-            ring for points, cells in surfaces for ring in cut_rings(points, cells, points[:, self.normal] - self.height)
-        ]
+        rings = []
+        for points, triangles in surfaces:
+            rings += cut_rings(points, triangles, points[:, self.normal] - self.height)
         return [ring[:, self.plane] for ring in rings]
 
     def render(self, low, high, pixels=700):

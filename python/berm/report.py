@@ -277,13 +277,14 @@ def elastic_frames(runs):
 
 
 def load_note(scene):
-    """frame_note with the load in a second line: "t = 0.5 s, u = 0.3 mm" and "F = 61 kN, 46 % of peak"."""
-    parts = frame_note(scene).split(", ")
-    history, share = scene.run.history, parts[-1:] if parts[-1].endswith("of peak") else []
+    """frame_note with the load, in two lines: "t = 0.5 s, u = 0.3 mm" and "F = 61 kN, 46 % of peak"."""
+    above = frame_note(scene).split(", ")
+    below = [above.pop()] if above[-1].endswith("of peak") else []
+    history = scene.run.history
     if "reaction" in history and np.any(history["reaction"]):
         load = np.interp(scene.frame["time"], history["time"], history["reaction"])
-        share.insert(0, f"F = {figure_text(float(f'{load:.3g}'), 'N')}".replace("-", "−"))
-    return ", ".join(parts[: -1 if parts[-1].endswith("of peak") else None]) + ("\n" + ", ".join(share) if share else "")
+        below.insert(0, f"F = {figure_text(float(f'{load:.3g}'), 'N')}".replace("-", "−"))
+    return "\n".join(", ".join(line) for line in (above, below) if line)
 
 
 def millimetres(length, least):

@@ -170,7 +170,7 @@ def read_surface(path):
     grid = read_mesh(path)
     if not grid.GetNumberOfCells():
         raise ResultError(f"{path} has no triangles")
-    if not (vtk_to_numpy(grid.GetCellTypesArray()) == 5).all():
+    if not grid.IsHomogeneous() or grid.GetCellType(0) != 5:
         raise ResultError(f"{path} must hold triangles only")
     places = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
     triangles = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Pictures of 3D bodies in space, rendered off-screen by pyvista: the surface, and the body without its front quarter."""
+"""Pictures of 3D bodies in space by pyvista, off-screen: the surface, and the body without its front quarter."""
 
 import functools
 import math

@@ -224,8 +224,8 @@ PUSH_AT_PEAK = 2.2e-4
 
 
 def cylinder_fields(start, push, axis):
-    """Fields of a compressed cylinder at places (n, 3) [m]: the stress along the axis grows from the middle outwards and
-    towards the ends; beyond the peak there is an inclined band of damage.
+    """Fields of a compressed cylinder at places (n, 3) [m]: the stress along the axis differs from the middle to the
+    side and from the ends to half the height; beyond the peak there is an inclined band of damage.
     """
     across = start[:, [d for d in range(3) if d != axis]]
     height, radius = start[:, axis], np.linalg.norm(across, axis=1)
@@ -277,8 +277,13 @@ def box_surface(low, high):
     return corners, np.array([t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))])
 
 
-def write_cylinder(folder, method="mpm", axis=2, spacing=0.005, steps=40, times=(0.0, 0.25, 0.55, 1.0), noise=0.0):
-    """A 3D run: a cylinder compressed along `axis` by a rigid platen; a known field of stress (cylinder_fields)."""
+def write_cylinder(
+    folder, method="mpm", axis=2, spacing=0.005, steps=40, times=(0.0, 0.25, 0.55, 1.0), noise=0.0, pieces=1
+):
+    """A 3D run: a cylinder compressed along `axis` by a rigid platen; a known field of stress (cylinder_fields).
+
+    fem: hexahedra with a Gauss point each; with `pieces` the mesh files are those of as many processes.
+    """
     os.makedirs(folder, exist_ok=True)
     count = max(2, round(2 * RADIUS / spacing))
     layers = round(LENGTH / spacing)
@@ -314,9 +319,15 @@ def write_cylinder(folder, method="mpm", axis=2, spacing=0.005, steps=40, times=
         write_points(os.path.join(folder, points[-1][1]), {**fields, **more})
         if method == "fem":
             moved = cylinder_fields(nodes, PUSH * time, axis)["displacement"]
-            meshes.append((time, f"mesh_{k:04d}.vtu"))
-            data = {name: fields[name] for name in ("stress", "damage")}
-            write_grid(os.path.join(folder, meshes[-1][1]), nodes + moved, 12, cells, {"displacement": moved}, data)
+            names = [f"mesh_{k:04d}_{r}.vtu" for r in range(pieces)] if pieces > 1 else [f"mesh_{k:04d}.vtu"]
+            for name, part in zip(names, np.array_split(np.arange(len(cells)), pieces)):
+                used, own = np.unique(cells[part], return_inverse=True)
+                data = {field: fields[field][part] for field in ("stress", "damage")}
+                places, own = (nodes + moved)[used], own.reshape(-1, 8)
+                write_grid(os.path.join(folder, name), places, 12, own, {"displacement": moved[used]}, data)
+            meshes.append((time, names[0] if pieces == 1 else f"mesh_{k:04d}.pvtu"))
+            if pieces > 1:
+                write_pieces(os.path.join(folder, meshes[-1][1]), names)
     write_series(os.path.join(folder, "points.pvd"), points)
     if meshes:
         write_series(os.path.join(folder, "mesh.pvd"), meshes)
@@ -341,7 +352,7 @@ def write_cylinder(folder, method="mpm", axis=2, spacing=0.005, steps=40, times=
         "status": "done",
         "dimension": 3,
         "axisymmetric": False,
-        "processes": 1,
+        "processes": pieces,
         "body_rings": {},
         "body_surfaces": {name: f"surface_{name}.vtu" for name in bodies},
         "metrics": {"peak_stress [Pa]": stress.max()},
