@@ -212,6 +212,46 @@ MAPS = (
 )
 
 
+AXISYMMETRIC_MAPS = (
+    Field("damage", "Damage", "", "fraction", "damage"),
+    Field("crack_opening", "Crack opening", "m", "opening", "crack_opening"),
+    Field("stress_xx", "Radial stress σrr", "Pa", "signed", "stress", 0),
+    Field("stress_yy", "Axial stress σzz", "Pa", "signed", "stress", 1),
+    Field("stress_zz", "Hoop stress σθθ", "Pa", "signed", "stress", 2),
+    Field("stress_xy", "Shear stress σrz", "Pa", "signed", "stress", 3),
+    Field("displacement", "Displacement", "m", "magnitude", "displacement", -1),
+)
+COLOURS = {
+    "fraction": FRACTURE,
+    "opening": FRACTURE,
+    "magnitude": "viridis",
+    "signed": "RdBu_r",
+    "tension": "viridis_r",  # the largest stress is dark
+    "compression": "viridis",
+}
+
+
+def level_field(axis):
+    """The normal stress in direction 0, 1 or 2."""
+    name = 2 * "xyz"[axis]
+    return Field(f"stress_{name}", f"Stress σ{name}", "Pa", "level", "stress", axis)
+
+
+def level_limits(arrays):
+    """(low, high, kind) of a stress: about 0 where it has both signs, else its range, at least 30 % of its size."""
+    ends = np.array([np.percentile(a, (1.0, 99.0)) for a in arrays if a.size])
+    low, high = ends[:, 0].min(), ends[:, 1].max()
+    if low < 0.0 < high and min(-low, high) > 0.02 * max(-low, high):
+        return *colour_limits("signed", arrays), "signed"
+    kind = "tension" if high > -low else "compression"
+    low, high = (max(low, 0.0), high) if kind == "tension" else (low, min(high, 0.0))
+    least = 0.3 * max(abs(low), abs(high))
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        low, high = middle - 0.5 * least, middle + 0.5 * least
+    return low, high, kind
+
+
 def colour_limits(kind, arrays):
     """Common limits of all runs, robust against a few extreme points."""
     if kind == "fraction":
@@ -226,54 +266,88 @@ def colour_limits(kind, arrays):
     return 0.0, max((np.percentile(a, 99.5) for a in positive), default=0.0)
 
 
+@dataclass
+class Colours:
+    """The colour scale that all runs of a figure share. low, high: in the unit of the file."""
+
+    low: float
+    high: float
+    factor: float  # shown = value / factor
+    unit: str
+    cmap: object
+    extend: str  # which ends of the bar have a tip: there are values beyond
+
+    @classmethod
+    def of(cls, field, arrays):
+        """For the values of a field in all runs."""
+        low, high, kind = level_limits(arrays) if field.kind == "level" else (*colour_limits(field.kind, arrays), "")
+        factor, unit = unit_for(field.base, max(abs(low), abs(high))) if field.base else (1.0, "-")
+        if high <= low:
+            high = low + factor  # a field of zeros
+        top, bottom = max(a.max() for a in arrays), min(a.min() for a in arrays)
+        hair = 1e-9 * max(abs(low), abs(high))
+        over, under = top > high + hair, bottom < low - hair
+        extend = ("neither", "max", "min", "both")[over + 2 * under]
+        return cls(low, high, factor, unit, COLOURS[kind or field.kind], extend)
+
+    def limits(self):
+        return {"vmin": self.low / self.factor, "vmax": self.high / self.factor, "cmap": self.cmap}
+
+    def bar(self, figure, image, axes, label):
+        bar = figure.colorbar(image, cax=axes, extend=self.extend)
+        bar.set_label(f"{label} [{self.unit}]")
+        bar.outline.set_linewidth(0.5)
+
+
+def heading_text(figure, text):
+    figure.text(
+        LEFT / figure.get_figwidth(),
+        1.0 - 0.08 / figure.get_figheight(),
+        text,
+        va="top",
+        fontsize=9.5,
+        fontweight="bold",
+    )
+
+
 def map_figure(scenes, field, heading, notes):
     """One field, runs side by side, one colour scale; None if no run has it."""
     pairs = [(scene, note, field.of(scene.frame)) for scene, note in zip(scenes, notes)]
     pairs = [(s, n, v) for s, n, v in pairs if v is not None]
     if not pairs:
         return None
-    arrays = [v for _, _, v in pairs]
-    low, high = colour_limits(field.kind, arrays)
-    factor, unit = unit_for(field.base, max(abs(low), abs(high))) if field.base else (1.0, "-")
-    if high <= low:
-        high = low + factor  # a field of zeros
-    figure, panels, bar_axes = _panels(pairs[0][0].extent, len(pairs))
-    colours = {"fraction": FRACTURE, "opening": FRACTURE, "magnitude": "viridis", "signed": "RdBu_r"}
-    length_factor, length_unit = unit_for("m", max(np.abs(pairs[0][0].extent)))
+    colours = Colours.of(field, [v for _, _, v in pairs])
+    x0, x1, y0, y1 = pairs[0][0].extent
+    extent = (-x1, x1, y0, y1) if pairs[0][0].mirrored else (x0, x1, y0, y1)
+    lines = max(note.count("\n") for note in notes)
+    figure, panels, bar_axes = _panels(extent, len(pairs), ABOVE + 0.14 * lines)
+    length_factor, length_unit = unit_for("m", max(np.abs(extent)))
     for panel, (scene, note, values) in zip(panels, pairs):
+        painted = paint(scene.picture, values) / colours.factor
+        if scene.mirrored:
+            painted = np.ma.hstack([painted[:, ::-1], painted])
         image = panel.imshow(
-            paint(scene.picture, values) / factor,
+            painted,
             origin="lower",
-            extent=np.divide(scene.extent, length_factor),
-            vmin=low / factor,
-            vmax=high / factor,
-            cmap=colours[field.kind],
+            extent=np.divide(extent, length_factor),
             aspect="equal",
+            **colours.limits(),
         )
         scene.draw_bodies(panel, length_factor)
-        panel.set_xlim(np.array(scene.extent[:2]) / length_factor)
-        panel.set_ylim(np.array(scene.extent[2:]) / length_factor)
+        if scene.mirrored:
+            panel.axvline(0.0, color="#333333", linewidth=0.5, linestyle=(0, (8, 3, 1, 3)))
+            panel.xaxis.set_major_formatter(lambda radius, _: f"{abs(radius):g}")
+        panel.set_xlim(np.array(extent[:2]) / length_factor)
+        panel.set_ylim(np.array(extent[2:]) / length_factor)
         panel.grid(False)
         panel.set_title(f"{scene.label}\n{note}", loc="left", fontsize=8)
-        panel.set_xlabel(f"x [{length_unit}]\n{span_text(values, factor, unit)}")
+        span = span_text(values, colours.factor, colours.unit)
+        panel.set_xlabel(f"{scene.axes[0]} [{length_unit}]\n{span}")
         panel.locator_params(nbins=4, axis="x")
         if panel.get_ylabel():
-            panel.set_ylabel(f"y [{length_unit}]")
-    top, bottom = max(a.max() for a in arrays), min(a.min() for a in arrays)
-    extend = {(False, False): "neither", (True, False): "max", (False, True): "min", (True, True): "both"}[
-        (top > high * (1 + 1e-9), bottom < low * (1 + 1e-9) and low < 0.0)
-    ]
-    bar = figure.colorbar(image, cax=bar_axes, extend=extend)
-    bar.set_label(f"{field.label} [{unit}]")
-    bar.outline.set_linewidth(0.5)
-    figure.text(
-        LEFT / figure.get_figwidth(),
-        1.0 - 0.08 / figure.get_figheight(),
-        f"{field.label}, {heading}",
-        va="top",
-        fontsize=9.5,
-        fontweight="bold",
-    )
+            panel.set_ylabel(f"{scene.axes[1]} [{length_unit}]")
+    colours.bar(figure, image, bar_axes, field.label)
+    heading_text(figure, f"{field.label}, {heading}")
     return figure
 
 
@@ -289,14 +363,14 @@ def span_text(values, factor, unit):
 LEFT, RIGHT, HEADING, ABOVE, BELOW, GAP = 0.65, 0.95, 0.3, 0.42, 0.58, 0.28
 
 
-def _panels(extent, count):
-    """(figure, axes of `count` panels of that shape, axes of the colour bar)."""
+def _panels(extent, count, above=ABOVE):
+    """(figure, axes of `count` panels of that shape, axes of the colour bar). above: room for a title [inch]."""
     width, height = extent[1] - extent[0], extent[3] - extent[2]
     columns = 2 if count == 4 else min(count, 3)
     rows = math.ceil(count / columns)
     scale = min(4.2 / height, {1: 6.5, 2: 4.6, 3: 3.4}[columns] / width)
     panel_width, panel_height = scale * width, scale * height
-    cell_width, cell_height = max(panel_width, 2.25) + GAP, ABOVE + panel_height + BELOW
+    cell_width, cell_height = max(panel_width, 2.25) + GAP, above + panel_height + BELOW
     total_width, total_height = LEFT + columns * cell_width + RIGHT, HEADING + rows * cell_height
     figure = plt.figure(figsize=(total_width, total_height))
 
@@ -308,11 +382,11 @@ def _panels(extent, count):
     panels = []
     for k in range(count):
         row, column = divmod(k, columns)
-        panel = axes(LEFT + column * cell_width, HEADING + row * cell_height + ABOVE, panel_width, panel_height)
+        panel = axes(LEFT + column * cell_width, HEADING + row * cell_height + above, panel_width, panel_height)
         panel.tick_params(labelleft=column == 0)
         panel.set_ylabel("y" if column == 0 else "")
         panels.append(panel)
     bar_height = max(1.0, 0.92 * panel_height)
-    middle = HEADING + ABOVE + 0.5 * panel_height
+    middle = HEADING + above + 0.5 * panel_height
     bar = axes(LEFT + columns * cell_width - GAP + 0.25, middle - 0.5 * bar_height, 0.13, bar_height)
     return figure, panels, bar

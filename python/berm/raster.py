@@ -46,32 +46,78 @@ class Grid:
         return np.clip(row, 0, self.rows - 1), np.clip(column, 0, self.columns - 1), known
 
 
-def closest(x, y, grid):
-    """Number of the closest of at least one point for every pixel, however far it is."""
-    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+def _cloud(places):
+    """vtkPolyData of places (n, 3)."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonCore import vtkPoints
-    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
-    from vtkmodules.vtkFiltersPoints import vtkPointInterpolator, vtkVoronoiKernel
+    from vtkmodules.vtkCommonDataModel import vtkPolyData
 
-    # Lengths in pixels: the locator works with single precision and tolerances.
-    places = np.stack([(x - grid.x0) / grid.pixel, (y - grid.y0) / grid.pixel, np.zeros(len(x))], axis=1)
     points = vtkPoints()
-    points.SetData(numpy_to_vtk(places, deep=True))
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(places, dtype=float), deep=True))
     cloud = vtkPolyData()
     cloud.SetPoints(points)
-    numbers = numpy_to_vtk(np.arange(len(x), dtype=float), deep=True)
-    numbers.SetName("number")
-    cloud.GetPointData().AddArray(numbers)
+    return cloud
+
+
+def _interpolate(target, places, values, kernel):
+    """`values` of points at `places`, brought to the points of the VTK data set `target` by a VTK kernel."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+    from vtkmodules.vtkFiltersPoints import vtkPointInterpolator
+
+    cloud = _cloud(places)
+    array = numpy_to_vtk(np.ascontiguousarray(values, dtype=float), deep=True)
+    array.SetName("values")
+    cloud.GetPointData().AddArray(array)
+    interpolator = vtkPointInterpolator()
+    interpolator.SetInputData(target)
+    interpolator.SetSourceData(cloud)
+    interpolator.SetKernel(kernel)
+    interpolator.SetNullPointsStrategyToClosestPoint()
+    interpolator.Update()
+    return vtk_to_numpy(interpolator.GetOutput().GetPointData().GetArray("values"))
+
+
+def closest(x, y, grid, z=None):
+    """Number of the closest of at least one point for every pixel, however far it is.
+
+    z: heights of the points over the picture [m]; without them they lie in it.
+    """
+    from vtkmodules.vtkCommonDataModel import vtkImageData
+    from vtkmodules.vtkFiltersPoints import vtkVoronoiKernel
+
+    # Lengths in pixels: the locator works with single precision and tolerances.
+    z = np.zeros(len(x)) if z is None else z
+    places = np.stack([(x - grid.x0) / grid.pixel, (y - grid.y0) / grid.pixel, z / grid.pixel], axis=1)
     image = vtkImageData()
     image.SetDimensions(grid.columns, grid.rows, 1)
     image.SetOrigin(0.5, 0.5, 0.0)
-    interpolator = vtkPointInterpolator()
-    interpolator.SetInputData(image)
-    interpolator.SetSourceData(cloud)
-    interpolator.SetKernel(vtkVoronoiKernel())
-    interpolator.Update()
-    found = vtk_to_numpy(interpolator.GetOutput().GetPointData().GetArray("number"))
+    found = _interpolate(image, places, np.arange(len(x)), vtkVoronoiKernel())
     return np.rint(found).astype(np.int64).reshape(grid.rows, grid.columns)
+
+
+def nearest(points, places):
+    """Number of the nearest of the points (n, 3) [m] for every place (m, 3) [m]."""
+    from vtkmodules.vtkFiltersPoints import vtkVoronoiKernel
+
+    low = points.min(axis=0)
+    unit = max(np.ptp(points, axis=0).max(), 1e-300) / 1000.0
+    target = _cloud((places - low) / unit)
+    return np.rint(_interpolate(target, (points - low) / unit, np.arange(len(points)), vtkVoronoiKernel())).astype(
+        np.int64
+    )
+
+
+def smooth(points, values, places, spacing):
+    """Values (n,) of points (n, 3) [m] at places (m, 3) [m]: means weighted by exp(-(2 d / spacing)^2) over the points
+    within 1.5 spacings [m]; where there are none, the value of the nearest point.
+    """
+    from vtkmodules.vtkFiltersPoints import vtkGaussianKernel
+
+    low = points.min(axis=0)
+    kernel = vtkGaussianKernel()
+    kernel.SetRadius(1.5)
+    kernel.SetSharpness(3.0)
+    return _interpolate(_cloud((places - low) / spacing), (points - low) / spacing, values, kernel)
 
 
 def inside_rings(rings, grid):
@@ -118,6 +164,35 @@ def body_picture(x, y, side, extent, pixel, shift=None, rings=()):
         jump = np.hypot(*(shift[neighbour] - shift[picture]).transpose(2, 0, 1))
         whole = (distance <= LIMIT * size[picture]) & (jump <= GAP * size[picture])
         drawn = known & inside_rings(rings, start)[row, column] & (drawn | whole)
+    return np.where(drawn, picture, -1), np.where(drawn, distance, np.inf)
+
+
+def section_picture(points, side, extent, pixel, shift, rings=()):
+    """As body_picture, for points (n, 3) [m] of one body in space: the third coordinate is the height over the picture.
+
+    side: sides of the cubes of the points [m]; shift: displacements (n, 3) drawn [m]; rings: where the picture cuts the
+    *displaced* surface of the body [m]. A pixel takes the nearest point in space, not the nearest projected one.
+    """
+    grid = Grid.over(extent, pixel)
+    x, y, z = points.T
+    picture = closest(x, y, grid, z)
+    centre_x, centre_y = grid.centres()
+    dx, dy, dz = centre_x[None, :] - x[picture], centre_y[:, None] - y[picture], z[picture]
+    distance = np.sqrt(dx**2 + dy**2 + dz**2)
+    reach = np.maximum(REACH * side, 0.5 * pixel)[picture]
+    drawn = np.maximum(np.maximum(np.abs(dx), np.abs(dy)), np.abs(dz)) <= reach
+    if len(rings):
+        inside = inside_rings(rings, grid)
+        size = np.maximum(side, np.median(side))[picture]
+        whole = inside & (distance <= LIMIT * size)
+        rows, columns = np.nonzero(whole)
+        # Where the displacement takes a place back to a point that was displaced otherwise, the body has opened.
+        of = picture[rows, columns]
+        back = np.stack([centre_x[columns], centre_y[rows], np.zeros(len(rows))], axis=1) - shift[of]
+        if len(rows):
+            jump = np.linalg.norm(shift[nearest(points - shift, back)] - shift[of], axis=1)
+            whole[rows, columns] = jump <= GAP * size[rows, columns]
+        drawn = inside & (drawn | whole)
     return np.where(drawn, picture, -1), np.where(drawn, distance, np.inf)
 
 

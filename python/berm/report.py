@@ -217,10 +217,13 @@ def frame_note(scene):
     return text
 
 
-def maps_html(runs, labels, scale, pictures):
-    from berm.figures import MAPS, map_figure
+def maps_html(runs, labels, scale, pictures, prefix=""):
+    """Maps of 2D runs, all of them in a plane or all of them axisymmetric."""
+    from berm.figures import AXISYMMETRIC_MAPS, MAPS, map_figure
     from berm.scene import make_scenes
 
+    axisymmetric = any(run.axisymmetric for run in runs)
+    fields = AXISYMMETRIC_MAPS if axisymmetric else MAPS
     peak, last = frame_indices(runs)
     parts = []
     for name, heading, indices in (("peak", "frame closest to the peak", peak), ("last", "last frame", last)):
@@ -229,9 +232,9 @@ def maps_html(runs, labels, scale, pictures):
         scenes = make_scenes(runs, labels, indices, scale)
         if not scenes:
             continue
-        figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in MAPS]
+        figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in fields]
         images = "".join(
-            pictures.html(f, f"{name}_{field.name}", f"{field.label}, {heading}") for field, f in figures if f
+            pictures.html(f, f"{prefix}{name}_{field.name}", f"{field.label}, {heading}") for field, f in figures if f
         )
         title = "Maps at the peak" if name == "peak" else "Maps of the last frame"
         note = (
@@ -240,6 +243,11 @@ def maps_html(runs, labels, scale, pictures):
             "Stresses: tension positive, "
             "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."
         )
+        if axisymmetric:
+            note += (
+                " Axisymmetric: r and z are x and y of the files, σrr, σzz, σθθ, σrz their xx, yy, zz, xy; "
+                "the left half mirrors the right one, stresses are those of the right half."
+            )
         if name == "peak":
             note += " " + peak_note(scenes)
         parts.append(f'<h2>{title}</h2><p class="note">{note}</p><div class="figures">{images}</div>')
@@ -250,6 +258,126 @@ def peak_note(scenes):
     """Tells the reader that the frames closest to the peaks need not be the peaks."""
     offs = [f"{s.label}: {s.run.history['time'][s.run.peak_row()]:.4g} s" for s in scenes]
     return html.escape("Shown is the frame written closest to the peak (time of the peak: " + ", ".join(offs) + ").")
+
+
+def elastic_frames(runs):
+    """The last frame before half of the peak load, by run; None for runs without one that is loaded."""
+    found = []
+    for run in runs:
+        row, last = run.peak_row(), None
+        if row is not None:
+            stress, time = np.abs(run.history["nominal_stress"]), run.history["time"]
+            before = time[int(np.argmax(stress >= 0.5 * stress[row]))]
+            loads = [np.interp(t, time, stress) / stress[row] for t, _ in run.frames]
+            # The unloaded frame at the start shows nothing. Without another one: the first before the peak.
+            loaded = [k for k, (t, _) in enumerate(run.frames) if loads[k] > 0.02 and t < time[row]]
+            last = max((k for k in loaded if run.frames[k][0] <= before), default=loaded[0] if loaded else None)
+        found.append(last)
+    return found if any(k is not None for k in found) else None
+
+
+def load_note(scene):
+    """frame_note with the load, in two lines: "t = 0.5 s, u = 0.3 mm" and "F = 61 kN, 46 % of peak"."""
+    above = frame_note(scene).split(", ")
+    below = [above.pop()] if above[-1].endswith("of peak") else []
+    history = scene.run.history
+    if "reaction" in history and np.any(history["reaction"]):
+        load = np.interp(scene.frame["time"], history["time"], history["reaction"])
+        below.insert(0, f"F = {figure_text(float(f'{load:.3g}'), 'N')}".replace("-", "−"))
+    return "\n".join(", ".join(line) for line in (above, below) if line)
+
+
+def millimetres(length, least):
+    """A length [m] in mm; what is a millionth of `least` is zero."""
+    return f"{1e3 * length if abs(length) > 1e-6 * least else 0.0:.4g} mm".replace("-", "−")
+
+
+SOLID_FRAMES = (
+    ("elastic", "elastic range", "Stress in the elastic range"),
+    ("peak", "at the peak", "Stress and damage at the peak"),
+    ("last", "last frame", "Damage of the last frame"),
+)
+
+
+def solids_html(runs, labels, scale, pictures, prefix=""):
+    """Pictures of 3D runs: sections through the middle and, with pyvista, the bodies themselves."""
+    from berm.body import loading_direction, make_bodies, make_sections, section_axes
+    from berm.figures import MAPS, level_field, map_figure
+    from berm.solid import can_draw, solid_figure, why_not
+
+    peak, last = frame_indices(runs)
+    elastic = elastic_frames(runs)
+    shown = next((run, k) for run, k in zip(runs, elastic or last) if k is not None) if any(last) or elastic else None
+    if not shown:
+        return ""
+    loading = loading_direction(*shown)
+    stress, (damage, opening) = level_field(loading), MAPS[:2]
+    # Where the peak is the last frame, that one shows the stress too.
+    fields = {"elastic": (stress,), "peak": (stress, damage), "last": (damage, opening) if peak else (stress, damage)}
+    missing = why_not()
+    parts, bare = [], []
+    for (name, heading, title), indices in zip(SOLID_FRAMES, (elastic, peak, last)):
+        if indices is None:
+            continue
+        bodies = make_bodies(runs, labels, indices, scale)
+        if not bodies:
+            continue
+        notes = [load_note(body) for body in bodies]
+        images = []
+        bare = [body.label for body in bodies if not can_draw(body)]
+        for field in () if missing or len(bare) == len(bodies) else [f for f in fields[name] if f is not opening]:
+            figure = solid_figure(bodies, field, heading, notes, loading)
+            if figure:
+                alt = f"{field.label}, {heading}, in space"
+                images.append(pictures.html(figure, f"{prefix}{name}_{field.name}_3d", alt))
+        for axes in section_axes(loading):
+            sections = make_sections(bodies, *axes)
+            normal = "xyz"[axes[0]]
+            plane = f"plane {normal} = {millimetres(bodies[0].middle()[axes[0]], bodies[0].spacing)}"
+            for field in fields[name]:
+                figure = map_figure(sections, field, f"{heading}, {plane}", notes)
+                if figure:
+                    alt = f"{field.label}, {heading}, {plane}"
+                    images.append(pictures.html(figure, f"{prefix}{name}_{field.name}_{normal}", alt))
+        parts.append(f'<h2>{title}</h2><div class="figures">{"".join(images)}</div>')
+        if name == "peak":
+            parts.append(f'<p class="note">{peak_note(bodies)}</p>')
+    text = (
+        f"Bodies are deformed, displacements × {scale:g}. Sections: every place has the value of the nearest point; "
+        "white inside a body: it has opened by more than the side of a point; hatched: rigid bodies. "
+        "Stresses: Cauchy, tension positive; colours span the 1st to 99th percentile of all runs in a picture, "
+        "below each map are the extremes."
+    )
+    if not missing:
+        text += (
+            " Pictures in space: above the surface, below with the front quarter taken out along the middle planes; "
+            "fem: means of the elements, mpm: means of the points within 1.5 spacings, weighted by distance; "
+            "grey lines: rigid bodies."
+        )
+    sentences = [text, missing]
+    if bare and not missing:
+        sentences.append(f"Not drawn in space, as summary.json names no body_surfaces: {', '.join(bare)}.")
+    return "".join(f'<p class="note">{html.escape(t)}</p>' for t in sentences if t) + "".join(parts)
+
+
+KINDS = (
+    ("", lambda run: run.dimension == 2 and not run.axisymmetric, maps_html),
+    ("axisymmetric_", lambda run: run.dimension == 2 and run.axisymmetric, maps_html),
+    ("solid_", lambda run: run.dimension == 3, solids_html),
+)
+
+
+def fields_html(runs, labels, scale, pictures):
+    """Maps and pictures of the runs, those of one kind together. Only with several kinds their files get a prefix."""
+    groups = []
+    for prefix, belongs, content in KINDS:
+        members = [(run, label) for run, label in zip(runs, labels) if belongs(run)]
+        if members:
+            groups.append((prefix, content, members))
+    return "".join(
+        content(*map(list, zip(*members)), scale, pictures, prefix if len(groups) > 1 else "")
+        for prefix, content, members in groups
+    )
 
 
 def inputs_html(runs, labels):
@@ -292,7 +420,7 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
                 f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
                 curves_html(runs, labels, curves, pictures),
                 energies_html(runs, labels, pictures),
-                maps_html(runs, labels, scale, pictures),
+                fields_html(runs, labels, scale, pictures),
                 inputs_html(runs, labels),
                 "</body></html>\n",
             )

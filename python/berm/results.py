@@ -3,7 +3,7 @@
 run = Run("out/case")
 run.history["nominal_stress"]          # numpy array, units in run.units
 run.summary["metrics"]["peak_load [N]"]
-run.last()["damage"]                   # point fields of the last points_NNNN.vtu
+run.last()["damage"]                   # point fields of the last points_NNNN.vtu or .pvtu
 """
 
 import csv
@@ -84,9 +84,27 @@ def read_series(path):
     return [(float(e.get("timestep")), os.path.join(folder, e.get("file"))) for e in root.iter("DataSet")]
 
 
-def read_points(path):
-    """Point fields of a .vtu as {name: array}, positions as "position" (n, 3)."""
-    from vtkmodules.util.numpy_support import vtk_to_numpy
+def read_pieces(path):
+    """Files of a .pvtu in its order, with their folder; a .vtu is its own only piece."""
+    if not path.endswith(".pvtu"):
+        return [path]
+    if not os.path.isfile(path):
+        raise ResultError(f"{path} does not exist")
+    try:
+        root = ElementTree.parse(path).getroot()
+    except (OSError, ElementTree.ParseError) as error:
+        raise ResultError(f"cannot read {path}: {error}") from None
+    pieces = [os.path.join(os.path.dirname(path), e.get("Source", "")) for e in root.iter("Piece")]
+    if not pieces:
+        raise ResultError(f"{path} names no pieces")
+    for piece in pieces:
+        if not os.path.isfile(piece):
+            raise ResultError(f"{path} names the piece {piece}, which does not exist")
+    return pieces
+
+
+def read_grid(path):
+    """The vtkUnstructuredGrid of one .vtu."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
     if not os.path.isfile(path):
@@ -98,12 +116,69 @@ def read_points(path):
     reader.Update()
     if errors:
         raise ResultError(f"VTK cannot read {path}")
-    grid = reader.GetOutput()
-    data = grid.GetPointData()
-    fields = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
-    points = grid.GetPoints()
-    fields["position"] = vtk_to_numpy(points.GetData()) if points else np.zeros((0, 3))
+    return reader.GetOutput()
+
+
+def read_points(path):
+    """Point fields of a .vtu or .pvtu as {name: array}, positions as "position" (n, 3), sorted by "id" if it is there.
+
+    So the results of different numbers of processes have the same points in the same places of the arrays.
+    """
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    parts = []
+    for piece in read_pieces(path):
+        grid = read_grid(piece)
+        data, points = grid.GetPointData(), grid.GetPoints()
+        part = {data.GetArrayName(k): vtk_to_numpy(data.GetArray(k)) for k in range(data.GetNumberOfArrays())}
+        part["position"] = vtk_to_numpy(points.GetData()) if points else np.zeros((0, 3))
+        parts.append((piece, part))
+    # A process without points may write a piece without fields.
+    filled = [(piece, part) for piece, part in parts if len(part["position"])] or parts[:1]
+    for piece, part in filled[1:]:
+        odd = set(part) ^ set(filled[0][1])
+        if odd:
+            raise ResultError(f"{path}: {filled[0][0]} and {piece} do not both have the field {sorted(odd)[0]}")
+    fields = {name: np.concatenate([part[name] for _, part in filled]) for name in filled[0][1]}
+    if "id" in fields:
+        order = np.argsort(fields["id"], kind="stable")
+        if (np.diff(fields["id"][order]) == 0).any():
+            raise ResultError(f"{path}: two points have the same id")
+        fields = {name: values[order] for name, values in fields.items()}
     return fields
+
+
+def read_mesh(path):
+    """The vtkUnstructuredGrid of a .vtu or .pvtu. Pieces are put side by side: nodes that they share appear in each."""
+    grids = [read_grid(piece) for piece in read_pieces(path)]
+    if len(grids) == 1:
+        return grids[0]
+    from vtkmodules.vtkFiltersCore import vtkAppendFilter
+
+    append = vtkAppendFilter()
+    for grid in grids:
+        if grid.GetNumberOfCells():  # an empty piece without fields would remove them from all
+            append.AddInputData(grid)
+    append.Update()
+    return append.GetOutput()
+
+
+def read_surface(path):
+    """(points (n, 3) [m], triangles (m, 3)) of the surface of a body; points at the same place are one."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    grid = read_mesh(path)
+    if not grid.GetNumberOfCells():
+        raise ResultError(f"{path} has no triangles")
+    if not grid.IsHomogeneous() or grid.GetCellType(0) != 5:
+        raise ResultError(f"{path} must hold triangles only")
+    places = vtk_to_numpy(grid.GetPoints().GetData()).astype(float)
+    triangles = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 3)
+    size = np.ptp(places, axis=0).max() or 1.0
+    _, first, merged = np.unique(np.rint(places / (1e-9 * size)), axis=0, return_index=True, return_inverse=True)
+    triangles = merged.reshape(-1)[triangles]
+    proper = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return places[first], triangles[proper]
 
 
 class Curve:
@@ -140,8 +215,10 @@ class Run:
             )
         self.history, self.units, _ = read_table(history)
         self.summary = self._read_summary()
-        series = os.path.join(self.path, "points.pvd")
-        self.frames = read_series(series) if os.path.isfile(series) else []
+        self.frames, self.mesh_frames = (
+            read_series(series) if os.path.isfile(series) else []
+            for series in (os.path.join(self.path, name) for name in ("points.pvd", "mesh.pvd"))
+        )
 
     def _read_summary(self):
         path = os.path.join(self.path, "summary.json")
@@ -156,6 +233,20 @@ class Run:
     @property
     def name(self):
         return os.path.basename(os.path.normpath(os.path.abspath(self.path)))
+
+    @property
+    def dimension(self):
+        return int(self.summary.get("dimension") or 2)
+
+    @property
+    def axisymmetric(self):
+        """x is the radius, y the axis, zz the hoop direction."""
+        return bool(self.summary.get("axisymmetric"))
+
+    def surfaces(self):
+        """{name of a body: (points (n, 3) [m], triangles (m, 3))} at the start; empty if the run does not tell."""
+        files = self.summary.get("body_surfaces") or {}
+        return {name: read_surface(os.path.join(self.path, file)) for name, file in files.items()}
 
     def metric(self, name):
         """A metric of summary.json by its name with or without unit; None if it is not there or not defined."""
@@ -186,7 +277,8 @@ class Run:
             raise ResultError(f"cannot read {path}: {error}") from None
         factor = np.interp(time, self.history["time"], self.history.get("load_factor", self.history["time"]))
         rigid = {name: body for name, body in bodies.items() if body.get("rigid")}
-        return {name: factor * np.array(body.get("displacement", (0.0, 0.0)), float) for name, body in rigid.items()}
+        still = (0.0,) * self.dimension
+        return {name: factor * np.array(body.get("displacement", still), float) for name, body in rigid.items()}
 
     def frame(self, index):
         """Point fields of a frame, with its "time" [s]. Negative indices count from the end."""
@@ -201,3 +293,9 @@ class Run:
     def frame_at(self, time):
         """Number of the frame closest to that time."""
         return int(np.argmin([abs(t - time) for t, _ in self.frames]))
+
+    def mesh_at(self, time):
+        """The vtkUnstructuredGrid of mesh.pvd closest to that time; None without such files."""
+        if not self.mesh_frames:
+            return None
+        return read_mesh(min(self.mesh_frames, key=lambda frame: abs(frame[0] - time))[1])

@@ -7,7 +7,28 @@ from matplotlib.path import Path
 from berm.raster import body_picture
 
 
-class Scene:
+class Drawing:
+    """What a map needs: label, run, frame, picture and extent, the names of its axes and the bodies in it."""
+
+    axes = ("x", "y")
+    mirrored = False  # draw the part beyond the axis x = 0 too
+    outlines, rigid = {}, ()  # {number of a body: its rings [m]}, [rings of a rigid body [m]]
+
+    def draw_bodies(self, panel, unit):
+        """Outlines of the bodies with points, and the rigid bodies where they are."""
+        sides = (1.0, -1.0) if self.mirrored else (1.0,)
+        for side in sides:
+            flip = np.array([side, 1.0]) / unit
+            for ring in (r for group in self.outlines.values() for r in group):
+                panel.plot(*(np.vstack([ring, ring[:1]]) * flip).T, color="#333333", linewidth=0.5, alpha=0.7)
+            for rings in self.rigid:
+                corners = np.vstack([np.vstack([ring, ring[:1]]) for ring in rings]) * flip
+                codes = [c for r in rings for c in [Path.MOVETO] + [Path.LINETO] * (len(r) - 1) + [Path.CLOSEPOLY]]
+                style = {"facecolor": "#e4e4e4", "edgecolor": "#8c8c8c", "hatch": "////", "linewidth": 0.5}
+                panel.add_patch(PathPatch(Path(corners, codes), **style))
+
+
+class Scene(Drawing):
     """Where the points of one frame of one run are in the picture; shared by all its maps."""
 
     def __init__(self, run, label, frame, scale):
@@ -17,6 +38,10 @@ class Scene:
         start = frame["position"][:, :2] - displacement
         self.x, self.y = (start + self.shift).T
         thickness = run.summary.get("thickness") or 1.0
+        if run.axisymmetric:
+            self.axes, self.mirrored = ("r", "z"), True
+            # Volumes are those of rings around the axis.
+            thickness = 2.0 * np.pi * np.maximum(start[:, 0], 1e-3 * max(np.ptp(start[:, 0]), 1e-300))
         if "volume" in frame:
             self.side = np.sqrt(np.maximum(frame["volume"], 0.0) / thickness)
         else:
@@ -64,17 +89,6 @@ class Scene:
                 self.picture = np.where(distance < nearest, found, self.picture)
                 nearest = np.minimum(distance, nearest)
 
-    def draw_bodies(self, panel, unit):
-        """Outlines at the start of the bodies with points, and the rigid bodies where they are."""
-        for ring in (r for group in self.outlines.values() for r in group):
-            panel.plot(*np.vstack([ring, ring[:1]]).T / unit, color="#333333", linewidth=0.5, alpha=0.7)
-        for rings in self.rigid:
-            corners = np.vstack([np.vstack([ring, ring[:1]]) for ring in rings]) / unit
-            codes = [c for r in rings for c in [Path.MOVETO] + [Path.LINETO] * (len(r) - 1) + [Path.CLOSEPOLY]]
-            panel.add_patch(
-                PathPatch(Path(corners, codes), facecolor="#e4e4e4", edgecolor="#8c8c8c", hatch="////", linewidth=0.5)
-            )
-
 
 def make_scenes(runs, labels, indices, scale):
     """Scenes of the given frames with common bounds; runs without points are left out."""
@@ -84,6 +98,9 @@ def make_scenes(runs, labels, indices, scale):
         bounds = [s.bounds() for s in scenes]
         low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
         margin = 0.03 * max(high - low)
+        low, high = low - margin, high + margin
+        if all(scene.mirrored for scene in scenes):
+            low[0] = 0.0
         for scene in scenes:
-            scene.render(low - margin, high + margin)
+            scene.render(low, high)
     return scenes

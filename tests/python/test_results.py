@@ -5,7 +5,7 @@ import unittest
 import numpy as np
 import synthetic
 
-from berm.results import Curve, ResultError, Run, read_table
+from berm.results import Curve, ResultError, Run, read_mesh, read_points, read_table
 
 
 class Results(unittest.TestCase):
@@ -49,6 +49,53 @@ class Results(unittest.TestCase):
         self.assertEqual(last["stress"].shape, (200, 6))
         self.assertEqual(last["position"].shape, (200, 3))
         np.testing.assert_array_equal(run.frame(3)["damage"], last["damage"])
+
+    def test_pieces_are_the_whole(self):
+        whole = Run(synthetic.write_run(os.path.join(self.folder.name, "whole"), cell=0.05, steps=5, frames=2))
+        parts = synthetic.write_run(os.path.join(self.folder.name, "parts"), cell=0.05, steps=5, frames=2)
+        synthetic.split_frames(parts, 2)
+        self.assertTrue(os.path.isfile(os.path.join(parts, "points_0001_1.vtu")))
+        parts = Run(parts)
+        for index in (0, 1):
+            one, other = whole.frame(index), parts.frame(index)
+            self.assertEqual(set(one), set(other))
+            for name in one:
+                np.testing.assert_array_equal(one[name], other[name])
+
+    def test_missing_piece_is_named(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "lost"), cell=0.05, steps=5, frames=2)
+        synthetic.split_frames(path, 2)
+        os.remove(os.path.join(path, "points_0001_1.vtu"))
+        with self.assertRaisesRegex(ResultError, r"points_0001\.pvtu names the piece .*points_0001_1\.vtu, which"):
+            Run(path).last()
+
+    def test_empty_piece_and_repeated_id(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "odd"), cell=0.05, steps=5, frames=1)
+        source = os.path.join(path, "points_0000.vtu")
+        synthetic.write_points(os.path.join(path, "empty.vtu"), {"position": np.zeros((0, 3))})
+        pieces = os.path.join(path, "p.pvtu")
+        synthetic.write_pieces(pieces, ["empty.vtu", "points_0000.vtu"])
+        np.testing.assert_array_equal(read_points(pieces)["stress"], read_points(source)["stress"])
+        synthetic.write_pieces(pieces, ["points_0000.vtu", "points_0000.vtu"])
+        with self.assertRaisesRegex(ResultError, "same id"):
+            read_points(pieces)
+
+    def test_mesh_of_pieces(self):
+        folder = self.folder.name
+        corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+        for rank in (0, 1):
+            synthetic.write_grid(
+                os.path.join(folder, f"m_{rank}.vtu"),
+                corners + rank,
+                10,
+                [[0, 1, 2, 3]],
+                {"displacement": 0.1 * corners},
+                {"damage": np.array([0.5 * rank])},
+            )
+        synthetic.write_pieces(os.path.join(folder, "m.pvtu"), ["m_0.vtu", "m_1.vtu"])
+        mesh = read_mesh(os.path.join(folder, "m.pvtu"))
+        self.assertEqual((mesh.GetNumberOfPoints(), mesh.GetNumberOfCells()), (8, 2))
+        self.assertEqual(mesh.GetCellData().GetArray("damage").GetValue(1), 0.5)
 
     def test_row_cut_short_is_dropped(self):
         columns, _, _ = read_table(self.write("cut.csv", "a [m],b [-]\n1,2\n3,nan\n4"))
