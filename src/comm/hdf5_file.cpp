@@ -37,6 +37,7 @@ public:
   ~Id() { close(); }
 
   bool close() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
+  void leave_open() { id_ = H5I_INVALID_HID; }
   bool valid() const { return id_ >= 0; }
   operator hid_t() const { return id_; }
 
@@ -48,7 +49,8 @@ private:
 Id properties(hid_t kind) { return {H5Pcreate(kind), H5Pclose}; }
 Id no_file() { return {H5I_INVALID_HID, H5Fclose}; }
 
-/// What the operating system said, from HDF5's stack of errors; else HDF5's innermost words.
+/// What the operating system said, from HDF5's stack of errors, else HDF5's innermost words. The next call to HDF5
+/// clears the stack.
 std::string reason() {
   std::string text;
   H5Ewalk2(
@@ -67,6 +69,9 @@ std::string reason() {
   return text.empty() ? "HDF5 gives no reason" : text;
 }
 
+/// "" if the HDF5 call that returned this went well, else why not.
+std::string error_of(std::int64_t result) { return result < 0 ? reason() : ""; }
+
 /// Types as they stand in the file, and in memory.
 struct Type {
   hid_t file, memory;
@@ -77,7 +82,9 @@ Type type_of(const std::int64_t*) { return {H5T_STD_I64LE, H5T_NATIVE_INT64, "64
 Type type_of(const std::int32_t*) { return {H5T_STD_I32LE, H5T_NATIVE_INT32, "32-bit integers"}; }
 Type type_of(const std::uint8_t*) { return {H5T_STD_U8LE, H5T_NATIVE_UINT8, "bytes"}; }
 
-void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void start_hdf5() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours
+}
 
 /// The folder entry too must reach the disk. A file system that cannot do that for folders is no error.
 void sync_folder(const std::string& path) {
@@ -94,11 +101,17 @@ struct CheckpointFile::Impl {
   Comm comm;
   std::string path;
   bool writing = false;  ///< until committed
+  bool failed = false;   ///< a write went wrong
   Id file = no_file();
 
   ~Impl() {
+    // HDF5 forgets that it could not close a file on a full disk, and crashes on it at the end of the process. Left
+    // open, it is closed then, once.
+    if (failed) file.leave_open();
     file.close();
-    if (writing && comm.is_root()) std::remove(draft().c_str());
+    if (!writing || !comm.is_root()) return;
+    if (::truncate(draft().c_str(), 0) != 0) errno = 0;  // a file left open would keep its place on the disk
+    std::remove(draft().c_str());
   }
 
   std::string draft() const { return path + ".part"; }
@@ -113,12 +126,13 @@ struct CheckpointFile::Impl {
     throw InputError(fmt::format("{}: {} {}", path, name, why));
   }
 
-  /// Throws on all processes if the last HDF5 call failed on any.
-  void check(bool good) const {
-    const std::string why = good ? "" : reason();
+  /// Throws on all processes if there is an error on any.
+  void check(const std::string& error) {
+    failed = true;
     comm.agree([&] {
-      if (!good) fail_write(why);
+      if (!error.empty()) fail_write(error);
     });
+    failed = false;
   }
 
   void must_write() const {
@@ -141,7 +155,7 @@ struct CheckpointFile::Impl {
       H5Pset_coll_metadata_write(access, true);
     }
     file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-    check(file.valid());
+    check(error_of(file));
   }
 
   void open() {
@@ -184,17 +198,17 @@ struct CheckpointFile::Impl {
     }
   }
 
-  Id create(const std::string& name, hid_t type, hid_t space) const {
+  Id create(const std::string& name, hid_t type, hid_t space) {
     const Id link = properties(H5P_LINK_CREATE), creation = properties(H5P_DATASET_CREATE);
     H5Pset_create_intermediate_group(link, 1);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);  // every value is written once, by us
     Id set(H5Dcreate2(file, name.c_str(), type, space, link, creation, H5P_DEFAULT), H5Dclose);
-    check(set.valid());
+    check(error_of(set));
     return set;
   }
 
-  bool write_part(hid_t set, hid_t type, hid_t space, const std::array<hsize_t, 2>& at,
-                  const std::array<hsize_t, 2>& part, const void* data) const {
+  std::string write_part(hid_t set, hid_t type, hid_t space, const std::array<hsize_t, 2>& at,
+                         const std::array<hsize_t, 2>& part, const void* data) const {
     const Id memory(H5Screate_simple(2, part.data(), nullptr), H5Sclose);
     if (part[0] == 0) {
       H5Sselect_none(space);
@@ -202,7 +216,7 @@ struct CheckpointFile::Impl {
     } else {
       H5Sselect_hyperslab(space, H5S_SELECT_SET, at.data(), nullptr, part.data(), nullptr);
     }
-    return H5Dwrite(set, type, memory, space, transfer(), data) >= 0;
+    return error_of(H5Dwrite(set, type, memory, space, transfer(), data));
   }
 
   Id transfer() const {
@@ -220,21 +234,21 @@ struct CheckpointFile::Impl {
     H5Tset_cset(type, H5T_CSET_UTF8);
     const Id set = create(name, type, space);
     if (!comm.is_root()) H5Sselect_none(space);
-    check(H5Dwrite(set, type, space, space, transfer(), text.c_str()) >= 0);
+    check(error_of(H5Dwrite(set, type, space, space, transfer(), text.c_str())));
   }
 
   void write_attribute(const std::string& name, Type type, const void* value) {
     must_write();
     const Id space(H5Screate(H5S_SCALAR), H5Sclose);
     const Id attribute(H5Acreate2(file, name.c_str(), type.file, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    check(attribute.valid());
-    check(H5Awrite(attribute, type.memory, value) >= 0);
+    check(error_of(attribute));
+    check(error_of(H5Awrite(attribute, type.memory, value)));
   }
 
   void commit() {
     must_write();
-    check(H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0);  // several processes: each one's part reaches its disk here
-    check(file.close());
+    check(error_of(H5Fflush(file, H5F_SCOPE_GLOBAL)));  // several processes: each one's part reaches its disk here
+    check(file.close() ? "" : reason());
     comm.agree([&] {
       if (!comm.is_root()) return;
       const int fd = ::open(draft().c_str(), O_RDONLY);
@@ -327,7 +341,7 @@ CheckpointFile& CheckpointFile::operator=(CheckpointFile&&) noexcept = default;
 CheckpointFile::~CheckpointFile() = default;
 
 CheckpointFile CheckpointFile::create(const Comm& comm, const std::string& path) {
-  silence_hdf5();
+  start_hdf5();
   auto impl = std::make_unique<Impl>();
   impl->comm = comm;
   impl->path = path;
@@ -339,7 +353,7 @@ CheckpointFile CheckpointFile::create(const Comm& comm, const std::string& path)
 }
 
 CheckpointFile CheckpointFile::open(const Comm& comm, const std::string& path) {
-  silence_hdf5();
+  start_hdf5();
   auto impl = std::make_unique<Impl>();
   impl->comm = comm;
   impl->path = path;
