@@ -103,7 +103,7 @@ std::optional<Mesh> generate_mesh(const ShapeRings& shape, const BodyMeshOptions
 
 double worst_corner(const Mesh& mesh) {
   double worst = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_sine(mesh, c));
+  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_jacobian(mesh, c));
   return worst;
 }
 
