@@ -27,7 +27,8 @@ Piece Region::clip(CellKind kind, const Corners& cell) const {
     const PlanePiece piece = plane_->clip(polygon);
     return {in_space(piece.centroid), piece.area};
   }
-  const SolidPiece piece = solid_->clip(is_simplex(kind) ? tetrahedron_cell(cell.x) : hexahedron_cell(cell.x));
+  const std::array<Vec3, 4> tetrahedron = {cell.x[0], cell.x[1], cell.x[2], cell.x[3]};
+  const SolidPiece piece = solid_->clip(is_simplex(kind) ? tetrahedron_cell(tetrahedron) : hexahedron_cell(cell.x));
   return {piece.centroid, piece.volume};
 }
 
