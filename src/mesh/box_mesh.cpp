@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <cstdint>
+#include <numbers>
+#include <unordered_map>
 
 #include "base/error.hpp"
 
@@ -20,24 +21,6 @@ void collect_lines(const PlaneShape& shape, std::array<std::vector<double>, 2>& 
   } else {
     for (const PlaneShape& part : std::get<Combination>(shape.form).parts) collect_lines(part, lines);
   }
-}
-
-/// Coordinates of the mesh lines between `low` and `high`, breakpoints included.
-std::vector<double> divide(std::vector<double> breaks, double low, double high, double size) {
-  const double tolerance = 1e-9 * (high - low);
-  std::sort(breaks.begin(), breaks.end());
-  std::vector<double> kept;
-  for (double x : breaks)
-    if (x >= low - tolerance && x <= high + tolerance && (kept.empty() || x - kept.back() > tolerance))
-      kept.push_back(x);
-  std::vector<double> lines = {kept[0]};
-  for (std::size_t k = 0; k + 1 < kept.size(); ++k) {
-    const double length = kept[k + 1] - kept[k];
-    // Halves are rounded up in spite of rounding errors: 14.5 cells become 15 on every side of a symmetric body.
-    const int n = std::max(1, static_cast<int>(std::floor(length / size + 0.5 + 1e-9)));
-    for (int i = 1; i <= n; ++i) lines.push_back(i == n ? kept[k + 1] : kept[k] + i * length / n);
-  }
-  return lines;
 }
 
 /// Adds the cell's nodes to the mesh on first use.
@@ -60,26 +43,6 @@ private:
   std::vector<int> number_;
 };
 
-/// The same cells with mid-side nodes.
-Mesh with_mid_sides(const Mesh& linear) {
-  Mesh mesh;
-  mesh.nodes = linear.nodes;
-  std::map<std::pair<int, int>, int> mid_of;
-  for (int c = 0; c < linear.n_cells(); ++c) {
-    const int corners = corners_of(linear.kinds[c]);
-    std::array<int, 8> nodes{};
-    for (int i = 0; i < corners; ++i) {
-      const int a = linear.cell(c)[i], b = linear.cell(c)[(i + 1) % corners];
-      const auto [place, is_new] = mid_of.emplace(std::minmax(a, b), mesh.n_nodes());
-      if (is_new) mesh.nodes.push_back(0.5 * (mesh.nodes[a] + mesh.nodes[b]));
-      nodes[i] = a;
-      nodes[corners + i] = place->second;
-    }
-    mesh.add_cell(corners == 3 ? CellKind::tri6 : CellKind::quad8, nodes.data());
-  }
-  return mesh;
-}
-
 /// A quad, or its two halves (diagonal from the first to the third corner if `right`).
 void add_cell(Mesh& mesh, BodyMeshKind kind, const std::array<int, 4>& q, bool right) {
   if (kind == BodyMeshKind::quads) {
@@ -92,10 +55,6 @@ void add_cell(Mesh& mesh, BodyMeshKind kind, const std::array<int, 4>& q, bool r
 }
 
 }  // namespace
-
-bool has_structured_mesh(const PlaneShape& shape) {
-  return std::holds_alternative<Disc>(shape.form) || only_boxes(shape);
-}
 
 Mesh mesh_disc(const Disc& disc, const BodyMeshOptions& options) {
   const int n = std::max(1, static_cast<int>(std::lround(std::sqrt(std::numbers::pi) * disc.radius / options.size)));
@@ -129,8 +88,8 @@ Mesh mesh_boxes(const PlaneShape& shape, const BodyMeshOptions& options) {
   const Vec2 cells = (high - low) / options.size;
   if (cells.x() * cells.y() > 1e8)
     throw InputError(fmt::format("mesh: size {:g} m gives too many cells", options.size));
-  const std::vector<double> x = divide(breaks[0], low.x(), high.x(), options.size);
-  const std::vector<double> y = divide(breaks[1], low.y(), high.y(), options.size);
+  const std::vector<double> x = mesh_lines(breaks[0], low.x(), high.x(), options.size);
+  const std::vector<double> y = mesh_lines(breaks[1], low.y(), high.y(), options.size);
   Mesh mesh;
   NodeTable node(mesh, x, y);
   for (std::size_t j = 0; j + 1 < y.size(); ++j)
@@ -139,6 +98,43 @@ Mesh mesh_boxes(const PlaneShape& shape, const BodyMeshOptions& options) {
       add_cell(mesh, options.kind, {node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)}, (i + j) % 2 == 0);
     }
   return options.order == 2 ? with_mid_sides(mesh) : mesh;
+}
+
+std::vector<double> mesh_lines(std::vector<double> breaks, double low, double high, double size) {
+  const double tolerance = 1e-9 * (high - low);
+  std::sort(breaks.begin(), breaks.end());
+  std::vector<double> kept;
+  for (double x : breaks)
+    if (x >= low - tolerance && x <= high + tolerance && (kept.empty() || x - kept.back() > tolerance))
+      kept.push_back(x);
+  std::vector<double> lines = {kept[0]};
+  for (std::size_t k = 0; k + 1 < kept.size(); ++k) {
+    const double length = kept[k + 1] - kept[k];
+    // Halves are rounded up in spite of rounding errors: 14.5 cells become 15 on every side of a symmetric body.
+    const int n = std::max(1, static_cast<int>(std::floor(length / size + 0.5 + 1e-9)));
+    for (int i = 1; i <= n; ++i) lines.push_back(i == n ? kept[k + 1] : kept[k] + i * length / n);
+  }
+  return lines;
+}
+
+Mesh with_mid_sides(const Mesh& linear) {
+  constexpr CellKind quadratic[] = {CellKind::tri6,  CellKind::quad8, CellKind::tri6,  CellKind::quad8,
+                                    CellKind::tet10, CellKind::hex20, CellKind::tet10, CellKind::hex20};
+  Mesh mesh;
+  mesh.nodes = linear.nodes;
+  std::unordered_map<std::uint64_t, int> mid_of;
+  for (int c = 0; c < linear.n_cells(); ++c) {
+    const CellKind kind = linear.kinds[c];
+    std::vector<int> nodes(linear.cell(c), linear.cell(c) + corners_of(kind));
+    for (const auto& [i, j] : edges_of(kind)) {
+      const auto [a, b] = std::minmax(nodes[i], nodes[j]);
+      const auto [place, is_new] = mid_of.emplace(static_cast<std::uint64_t>(a) << 32 | b, mesh.n_nodes());
+      if (is_new) mesh.nodes.push_back(0.5 * (mesh.nodes[a] + mesh.nodes[b]));
+      nodes.push_back(place->second);
+    }
+    mesh.add_cell(quadratic[static_cast<int>(kind)], nodes.data());
+  }
+  return mesh;
 }
 
 }  // namespace berm

@@ -11,6 +11,7 @@
 #include "mesh/box_mesh.hpp"
 #include "mesh/gmsh.hpp"
 #include "mesh/gmsh_model.hpp"
+#include "mesh/solid_mesh.hpp"
 
 namespace berm {
 
@@ -103,7 +104,7 @@ std::optional<Mesh> generate_mesh(const ShapeRings& shape, const BodyMeshOptions
 
 double worst_corner(const Mesh& mesh) {
   double worst = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_sine(mesh, c));
+  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_jacobian(mesh, c));
   return worst;
 }
 
@@ -139,12 +140,9 @@ Mesh best_quads(const ShapeRings& shape, const BodyMeshOptions& options, double 
   return std::move(*best);
 }
 
-}  // namespace
-
-Mesh mesh_shape(const PlaneShape& shape, const BodyMeshOptions& options) {
-  if (!(options.size > 0.0)) throw InputError(fmt::format("mesh: size {:g} m (it must be positive)", options.size));
-  if (options.order != 1 && options.order != 2)
-    throw InputError(fmt::format("mesh: order {} (1 and 2 are possible)", options.order));
+Mesh mesh_plane_shape(const PlaneShape& shape, const BodyMeshOptions& options) {
+  if (options.kind != BodyMeshKind::quads && options.kind != BodyMeshKind::triangles)
+    throw InputError("mesh: hexahedra and tetrahedra are for solid shapes (a plane one takes quads or triangles)");
   if (options.structured) {
     if (const Disc* disc = std::get_if<Disc>(&shape.form)) return mesh_disc(*disc, options);
     if (only_boxes(shape)) return mesh_boxes(shape, options);
@@ -160,6 +158,23 @@ Mesh mesh_shape(const PlaneShape& shape, const BodyMeshOptions& options) {
     if (options.kind == BodyMeshKind::quads) return best_quads(rings, options, area, subject);
     return *generate_mesh(rings, options, {6, 0}, options.size, subject);
   });
+}
+
+}  // namespace
+
+Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options) {
+  if (!(options.size > 0.0)) throw InputError(fmt::format("mesh: size {:g} m (it must be positive)", options.size));
+  if (options.order != 1 && options.order != 2)
+    throw InputError(fmt::format("mesh: order {} (1 and 2 are possible)", options.order));
+  if (const PlaneShape* plane = std::get_if<PlaneShape>(&shape)) return mesh_plane_shape(*plane, options);
+  return mesh_solid_shape(std::get<SolidShape>(shape), options);
+}
+
+bool has_structured_mesh(const Shape& shape) {
+  if (const PlaneShape* plane = std::get_if<PlaneShape>(&shape))
+    return std::holds_alternative<Disc>(plane->form) || only_boxes(*plane);
+  const SolidShape& solid = std::get<SolidShape>(shape);
+  return std::holds_alternative<Cylinder>(solid.form) || only_boxes(solid);
 }
 
 }  // namespace berm

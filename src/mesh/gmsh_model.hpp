@@ -12,11 +12,12 @@ namespace berm {
 /// becomes an InputError "<subject>: <Gmsh's message>".
 Mesh with_gmsh(const std::string& subject, const std::function<Mesh()>& work);
 
-/// The plane cells of the current model. Throws InputError that begins with `subject`.
+/// The volume cells of the current model, or the plane cells if there are none. Throws InputError that begins with
+/// `subject`.
 Mesh current_gmsh_mesh(const std::string& subject);
 
-/// Smallest cross product of the two sides that leave a corner, over the product of their lengths (the sine of the
-/// corner; curved sides: of their tangents). Above 0: the Jacobian is positive at all corners.
-double smallest_corner_sine(const Mesh& mesh, int c);
+/// Scaled Jacobian: smallest determinant of the unit tangents of the edges that leave a corner (plane: the sine of the
+/// corner), 1 for squares and cubes. Above 0: the Jacobian is positive at all corners.
+double smallest_corner_jacobian(const Mesh& mesh, int c);
 
 }  // namespace berm

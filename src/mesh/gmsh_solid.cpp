@@ -92,7 +92,7 @@ struct Builder {
   Parts operator()(const Extrusion& e) const {
     if (!(e.to > e.from) || !std::isfinite(e.to - e.from))
       throw InputError(fmt::format("shape: extrusion from z = {:g} to {:g} m (from must be below to)", e.from, e.to));
-    evaluate_shape(Shape{Polygon{e.vertices}}, 8);  // refuses polygons that are flat or cross themselves
+    evaluate_shape(PlaneShape{Polygon{e.vertices}}, 8);  // refuses polygons that are flat or cross themselves
     std::vector<int> points, lines;
     for (const Vec2& x : e.vertices) points.push_back(occ::addPoint(x.x(), x.y(), e.from));
     for (std::size_t i = 0; i < points.size(); ++i)

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -18,6 +20,12 @@ constexpr FaceCorners tetrahedron[] = {{3, {0, 2, 1}}, {3, {0, 1, 3}}, {3, {1, 2
 constexpr FaceCorners hexahedron[] = {{4, {0, 3, 2, 1}}, {4, {4, 5, 6, 7}}, {4, {0, 1, 5, 4}},
                                       {4, {1, 2, 6, 5}}, {4, {2, 3, 7, 6}}, {4, {3, 0, 4, 7}}};
 
+constexpr std::array<int, 2> triangle_edges[] = {{0, 1}, {1, 2}, {2, 0}};
+constexpr std::array<int, 2> quad_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+constexpr std::array<int, 2> tetrahedron_edges[] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+constexpr std::array<int, 2> hexahedron_edges[] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+
 struct Side {
   std::array<int, 4> key;  ///< corner nodes, ascending
   int cell, local;
@@ -30,8 +38,10 @@ std::vector<Side> sorted_sides(const Mesh& mesh) {
     const auto faces = faces_of(mesh.kinds[c]);
     for (std::size_t f = 0; f < faces.size(); ++f) {
       Side side{{-1, -1, -1, -1}, c, static_cast<int>(f)};
-      for (int k = 0; k < faces[f].n; ++k) side.key[k] = mesh.cell(c)[faces[f].corner[k]];
-      std::sort(side.key.begin(), side.key.begin() + faces[f].n);
+      for (int k = 0; k < faces[f].n; ++k) {
+        side.key[k] = mesh.cell(c)[faces[f].corner[k]];
+        for (int j = k; j > 0 && side.key[j] < side.key[j - 1]; --j) std::swap(side.key[j], side.key[j - 1]);
+      }
       sides.push_back(side);
     }
   }
@@ -84,6 +94,12 @@ std::span<const FaceCorners> faces_of(CellKind kind) {
   return is_simplex(kind) ? std::span<const FaceCorners>(tetrahedron) : std::span<const FaceCorners>(hexahedron);
 }
 
+std::span<const std::array<int, 2>> edges_of(CellKind kind) {
+  using Edges = std::span<const std::array<int, 2>>;
+  if (dimension_of(kind) == 2) return is_simplex(kind) ? Edges(triangle_edges) : Edges(quad_edges);
+  return is_simplex(kind) ? Edges(tetrahedron_edges) : Edges(hexahedron_edges);
+}
+
 Corners corners(const Mesh& mesh, int c) {
   Corners out;
   out.n = corners_of(mesh.kinds[c]);
@@ -94,8 +110,7 @@ Corners corners(const Mesh& mesh, int c) {
 double cell_measure(const Mesh& mesh, int c) {
   const Corners p = corners(mesh, c);
   if (mesh.kinds[c] == CellKind::hex8 || mesh.kinds[c] == CellKind::hex20) return hexahedron_volume(p);
-  if (dimension_of(mesh.kinds[c]) == 3)
-    return (p.x[1] - p.x[0]).cross(p.x[2] - p.x[0]).dot(p.x[3] - p.x[0]) / 6.0;
+  if (dimension_of(mesh.kinds[c]) == 3) return (p.x[1] - p.x[0]).cross(p.x[2] - p.x[0]).dot(p.x[3] - p.x[0]) / 6.0;
   double twice = 0.0;
   for (int i = 1; i + 1 < p.n; ++i) twice += (p.x[i] - p.x[0]).cross(p.x[i + 1] - p.x[0]).z();
   return 0.5 * twice;
@@ -111,6 +126,14 @@ Vec3 cell_centre(const Mesh& mesh, int c) {
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < p.n; ++i) sum += p.x[i];
   return sum / p.n;
+}
+
+Corners face_corners(const Mesh& mesh, const CellFace& face) {
+  const FaceCorners& f = faces_of(mesh.kinds[face.cell])[face.local];
+  Corners out;
+  out.n = f.n;
+  for (int i = 0; i < f.n; ++i) out.x[i] = mesh.nodes[mesh.cell(face.cell)[f.corner[i]]];
+  return out;
 }
 
 std::vector<CellFace> boundary_faces(const Mesh& mesh) {

@@ -32,8 +32,8 @@ constexpr CellKind linear_kind(CellKind kind) {
   return is_simplex(kind) ? CellKind::tet4 : CellKind::hex8;
 }
 
-/// Corners of a face of a cell (in the plane: of an edge), seen from outside counter-clockwise (in the plane: the cell to
-/// the left).
+/// Corners of a face of a cell (in the plane: of an edge), seen from outside counter-clockwise (in the plane: the cell
+/// to the left).
 struct FaceCorners {
   int n;
   std::array<int, 4> corner;
@@ -41,6 +41,10 @@ struct FaceCorners {
 /// The faces of a cell: 3, 4 (plane), 4, 6.
 std::span<const FaceCorners> faces_of(CellKind kind);
 constexpr int max_faces = 6;
+
+/// The edges of a cell by its corners: 3, 4 (plane), 6, 12. Node corners_of(kind) + e of a quadratic cell is the
+/// mid-side node of edge e.
+std::span<const std::array<int, 2>> edges_of(CellKind kind);
 
 struct Mesh {
   std::vector<Vec3> nodes;                              ///< coordinates [m]; z = 0 in the plane
@@ -84,6 +88,8 @@ struct CellFace {
   int cell;
   int local;
 };
+/// Corner positions of a face in the order of faces_of.
+Corners face_corners(const Mesh& mesh, const CellFace& face);
 /// Faces with one cell, ordered by cell.
 std::vector<CellFace> boundary_faces(const Mesh& mesh);
 

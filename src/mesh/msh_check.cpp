@@ -17,9 +17,15 @@ namespace {
 
 using Numbers = std::vector<long long>;
 
-/// Nodes of the element types that may occur in a file of plane cells, with their lines and points (Gmsh manual, "MSH
-/// file format").
-const std::map<long long, std::size_t> nodes_of_type = {{1, 2}, {2, 3}, {3, 4}, {8, 3}, {9, 6}, {15, 1}, {16, 8}};
+/// Nodes of the element types that may occur: cells, lines and points (Gmsh manual, "MSH file format").
+const std::map<long long, std::size_t> nodes_of_type = {{1, 2}, {2, 3},   {3, 4},  {4, 4},  {5, 8},  {8, 3},
+                                                        {9, 6}, {11, 10}, {15, 1}, {16, 8}, {17, 20}};
+
+/// Those that users are most likely to bring along.
+const std::map<long long, const char*> unsupported = {
+    {6, "6-node prism"},      {7, "5-node pyramid"},   {10, "9-node quad"},        {12, "27-node hexahedron"},
+    {13, "18-node prism"},    {14, "14-node pyramid"}, {18, "15-node prism"},      {19, "13-node pyramid"},
+    {21, "10-node triangle"}, {26, "4-node line"},     {29, "20-node tetrahedron"}};
 
 class MshText {
 public:
@@ -38,7 +44,7 @@ public:
       if (line_ == "$Elements") elements();
     }
     if (nodes_.empty()) fail("has no nodes ($Nodes is missing or empty)");
-    if (!has_elements_) fail("has no plane cells ($Elements is missing)");
+    if (!has_elements_) fail("has no plane cells and no volume cells ($Elements is missing)");
   }
 
 private:
@@ -117,9 +123,11 @@ private:
   /// Checks an element whose nodes are the numbers from `first` on.
   void element(long long type, const Numbers& values, std::size_t first) {
     const auto known = nodes_of_type.find(type);
-    if (known == nodes_of_type.end())
-      fail(fmt::format("element type {} is not supported (3-node and 6-node triangles, 4-node and 8-node quads are)",
-                       type));
+    if (known == nodes_of_type.end()) {
+      const auto name = unsupported.find(type);
+      fail(fmt::format("element type {}{} is not supported ({})", type,
+                       name == unsupported.end() ? "" : fmt::format(" ({})", name->second), supported_elements));
+    }
     if (values.size() != first + known->second)
       fail(fmt::format("an element of type {} has {} nodes", type, known->second));
     for (std::size_t i = first; i < values.size(); ++i)

@@ -5,6 +5,11 @@
 
 namespace berm {
 
+/// What read_msh can read, for messages.
+constexpr const char* supported_elements =
+    "triangles of 3 and 6 nodes, quads of 4 and 8, tetrahedra of 4 and 10, hexahedra of 8 and 20 are; Gmsh saves them "
+    "with Mesh.SecondOrderIncomplete = 1";
+
 /// Gmsh 4.8 trusts the counts and node numbers of a file and crashes if they are wrong. Throws InputError with file and
 /// line for text files (2.2 and 4.1) whose nodes or elements are incomplete, out of step with their counts, of an
 /// unsupported type, or refer to nodes that do not exist. Binary files are only checked for their header.

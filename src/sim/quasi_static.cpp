@@ -8,18 +8,6 @@
 namespace berm {
 namespace {
 
-double norm(const NodalVector& f) {
-  double sum = 0.0;
-  for (const Vec2& v : f) sum += v.squaredNorm();
-  return std::sqrt(sum);
-}
-
-double dot(const NodalVector& a, const NodalVector& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i].dot(b[i]);
-  return sum;
-}
-
 /// IMPL-EX steps are linear but for the change of geometry: this relative residual is accepted after one solve, the
 /// rest is carried into the next step's equilibrium.
 constexpr double impl_ex_tolerance = 1e-5;
@@ -31,18 +19,32 @@ bool all_elastic(const MaterialState& m) {
 
 }  // namespace
 
-QuasiStaticStep::QuasiStaticStep(World& world) : world_(world), newton_(world.spec.solver.max_iterations) {
+QuasiStaticStep::QuasiStaticStep(World& world)
+    : world_(world), dimension_(world.spec.dimension()), newton_(world.spec.solver, world.comm) {
   const Case& c = world.spec;
-  settings_.plane = c.plane;
+  settings_.space = c.space;
   settings_.kinematics = c.kinematics;
   if (c.control.kind == Control::Kind::gauge)
     for (std::size_t g = 0; g < world.boundary->gauges().size(); ++g)
       if (world.boundary->gauges()[g].name == c.control.gauge) gauge_ = static_cast<int>(g);
   // The gauge equation is scaled to a force: the matrix stays well conditioned and one norm serves both.
   gauge_scale_ = world.elastic_scale / world.discretisation->cell_size();
-  balance_.rigid_force.assign(c.bodies.size(), Vec2::Zero());
-  balance_.boundary_force.assign(c.boundaries.size(), Vec2::Zero());
-  balance_.pressure_force.assign(c.pressures.size(), Vec2::Zero());
+  balance_.reactions.rigid.assign(c.bodies.size(), Vec3::Zero());
+  balance_.reactions.boundary.assign(c.boundaries.size(), Vec3::Zero());
+  balance_.pressure_force.assign(c.pressures.size(), Vec3::Zero());
+}
+
+/// Over the nodes of all processes; a and b complete at the owned ones.
+double QuasiStaticStep::dot(const NodalVector& a, const NodalVector& b) const {
+  double sum = 0.0;
+  for (int i = 0; i < world_.discretisation->halo.n_owned; ++i) sum += a[i].dot(b[i]);
+  return world_.comm.sum(sum);
+}
+
+double QuasiStaticStep::norm(const NodalVector& f) const { return std::sqrt(dot(f, f)); }
+
+int QuasiStaticStep::n_mine() const {
+  return dimension_ * world_.discretisation->halo.n_owned + (owns_border() ? 1 : 0);
 }
 
 void QuasiStaticStep::prepare(Integration integration) {
@@ -52,158 +54,188 @@ void QuasiStaticStep::prepare(Integration integration) {
   const bool symmetric = gauge_ < 0 && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
-    d.begin_step(bc.anchors());
-    bc.begin_step(d);
-    pressure_.assign(d.n_nodes(), Vec2::Zero());
+    world_.begin_step();
+    pressure_.assign(d.n_nodes(), Vec3::Zero());
     bc.add_pressure(pressure_);
-    last_du_.resize(d.n_nodes(), Vec2::Zero());
+    d.halo.add_to_owners(pressure_.data()->data(), 3);
+    d.halo.copy_to_ghosts(pressure_.data()->data(), 3);
     prepared_ = true;
   }
+  if (connectivity_ != d.connectivity) last_dt_ = 0.0;
+  lay_out(symmetric);
+}
+
+/// The matrix for the present connectivity, gauge and symmetry.
+void QuasiStaticStep::lay_out(bool symmetric) {
+  const Discretisation& d = *world_.discretisation;
   Border border;
-  if (gauge_ >= 0) {
-    border.active = true;
-    const GaugeLine& g = bc.gauges()[gauge_];
-    std::vector<Vec2> functional(d.n_nodes(), Vec2::Zero());
-    for (int k = 0; k < g.to.stencil.n; ++k) functional[g.to.stencil.node[k]] += g.to.stencil.N[k] * g.direction;
-    for (int k = 0; k < g.from.stencil.n; ++k) functional[g.from.stencil.node[k]] -= g.from.stencil.N[k] * g.direction;
-    for (int dof = 0; dof < 2 * d.n_nodes(); ++dof) {
-      const int equation = bc.equation()[dof];
-      if (equation < 0) continue;
-      if (pressure_[dof / 2][dof % 2] != 0.0) border.column_rows.push_back(equation);
-      if (functional[dof / 2][dof % 2] != 0.0) border.row_columns.push_back(equation);
+  border.active = gauge_ >= 0;
+  if (border.active) {
+    functional_.assign(d.n_nodes(), Vec3::Zero());
+    world_.boundary->add_gauge_functional(gauge_, functional_);
+    for (int k = 0; k < dimension_ * d.n_nodes(); ++k) {
+      const bool mine = k < dimension_ * d.halo.n_owned;  // the complete pressure stands at the owner
+      if (mine && pressure_[k / dimension_][k % dimension_] != 0.0) border.column_rows.push_back(k);
+      if (functional_[k / dimension_][k % dimension_] != 0.0) border.row_columns.push_back(k);
     }
   }
-  const bool same = blocks_ == d.blocks && equation_ == bc.equation() && border_ == border;
+  const bool same = world_.comm.all(connectivity_ == d.connectivity && border_ == border);
+  if (same && symmetric == symmetric_) return;
   if (!same) {
-    blocks_ = d.blocks;
-    equation_ = bc.equation();
+    connectivity_ = d.connectivity;
     border_ = border;
-    n_unknowns_ = bc.n_equations() + (border.active ? 1 : 0);
-    assembler_.build(blocks_, equation_, bc.n_equations(), border_);
-    last_dt_ = 0.0;
+    assembler_.build(d.blocks, d.n_nodes(), dimension_, border_);
   }
-  if (!same || symmetric != symmetric_) newton_.set_matrix(assembler_.matrix(), symmetric);
   symmetric_ = symmetric;
+
+  SystemLayout layout;
+  layout.dimension = dimension_;
+  layout.bordered = border_.active;
+  layout.n_mine = n_mine();
+  layout.n_global = dimension_ * d.halo.n_global + (border_.active ? 1 : 0);
+  for (std::int64_t node : d.halo.global)
+    for (int i = 0; i < dimension_; ++i) layout.global.push_back(dimension_ * node + i);
+  if (border_.active) layout.global.push_back(layout.n_global - 1);
+  layout.places.assign(d.nodes.begin(), d.nodes.begin() + d.halo.n_owned);
+  newton_.set_matrix(assembler_.matrix(), layout, symmetric);
 }
 
 /// Unknowns to the nodal increment of the step and the load factor.
 void QuasiStaticStep::scatter(const std::vector<double>& x) {
-  for (std::size_t dof = 0; dof < equation_.size(); ++dof)
-    du_[dof / 2][dof % 2] = equation_[dof] >= 0 ? x[equation_[dof]] : prescribed_[dof];
-  load_factor_ = gauge_ >= 0 ? x.back() : t1_;
+  const Discretisation& d = *world_.discretisation;
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  for (int k = 0; k < dimension_ * d.halo.n_owned; ++k)
+    du_[k / dimension_][k % dimension_] = fixed[k] ? prescribed_[k] : x[k];
+  d.halo.copy_to_ghosts(du_.data()->data(), 3);
+  load_factor_ = gauge_ >= 0 ? world_.comm.broadcast(owns_border() ? x.back() : 0.0, world_.comm.size() - 1) : t1_;
 }
 
 double QuasiStaticStep::gauge_value() const {
-  const GaugeLine& g = world_.boundary->gauges()[gauge_];
-  return g.elongation() + g.direction.dot(g.to.stencil.interpolate(du_) - g.from.stencil.interpolate(du_));
+  double value = 0.0;
+  for (std::size_t i = 0; i < du_.size(); ++i) value += functional_[i].dot(du_[i]);
+  return world_.boundary->gauges()[gauge_].elongation() + world_.comm.sum(value);
 }
 
-/// r = internal + stabilisation + contact and pins - load factor * pressure - weight.   [formulation (1), (14)]
-bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>& r, bool tangent) {
-  if (!tangent && !x.empty() && x == cached_x_) {
+/// force_ = internal + stabilisation + contact and pins - load factor * pressure - weight, complete at owned nodes.
+/// [formulation (1), (14)]
+void QuasiStaticStep::sum_forces() {
+  const Stopwatch watch(times_.assembly);
+  const Discretisation& d = *world_.discretisation;
+  force_.assign(d.n_nodes(), Vec3::Zero());
+  d.add_internal_force(force_);
+  d.halo.add_to_owners(force_.data()->data(), 3);
+  const double scale = norm(force_);
+  external_.assign(d.n_nodes(), Vec3::Zero());
+  if (!world_.spec.gravity.isZero()) d.add_body_force(world_.spec.gravity * t1_, external_);
+  d.halo.add_to_owners(external_.data()->data(), 3);
+  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += load_factor_ * pressure_[i];
+  force_scale_ = std::max(scale, norm(external_));
+  NodalVector resisting(d.n_nodes(), Vec3::Zero());
+  d.add_stabilisation(du_, resisting, nullptr);
+  world_.boundary->add_forces(du_, t0_, t1_, resisting, nullptr);
+  d.halo.add_to_owners(resisting.data()->data(), 3);
+  for (std::size_t i = 0; i < force_.size(); ++i) force_[i] += resisting[i] - external_[i];
+}
+
+bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>& r) {
+  const bool cached = !cached_r_.empty() && x == cached_x_;
+  if (world_.comm.all(cached)) {
     r = cached_r_;
     return true;
   }
-  Discretisation& d = *world_.discretisation;
-  BoundaryConditions& bc = *world_.boundary;
   scatter(x);
   {
     const Stopwatch watch(times_.response);
-    if (d.evaluate(du_, settings_, tangent) != Status::ok) return false;
+    const Status status = world_.discretisation->evaluate(du_, settings_);
+    if (!world_.comm.all(status == Status::ok)) return false;
   }
-  const Stopwatch watch(times_.assembly);
-  force_.assign(d.n_nodes(), Vec2::Zero());
-  d.add_internal_force(force_);
-  const double scale = norm(force_);
-  external_.assign(d.n_nodes(), Vec2::Zero());
-  if (!world_.spec.gravity.isZero()) d.add_body_force(world_.spec.gravity * t1_, external_);
-  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += load_factor_ * pressure_[i];
-  force_scale_ = std::max(scale, norm(external_));
-  d.add_stabilisation(du_, force_, nullptr);
-  bc.add_forces(du_, t0_, t1_, force_, nullptr);
-  for (std::size_t i = 0; i < force_.size(); ++i) force_[i] -= external_[i];
-
-  r.resize(n_unknowns_);
-  for (std::size_t dof = 0; dof < equation_.size(); ++dof)
-    if (equation_[dof] >= 0) r[equation_[dof]] = force_[dof / 2][dof % 2];
-  if (gauge_ >= 0) r.back() = gauge_scale_ * (gauge_value() - world_.spec.control.target * t1_);
+  sum_forces();
+  r.assign(n_mine(), 0.0);
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
+    if (!fixed[k]) r[k] = force_[k / dimension_][k % dimension_];
+  if (gauge_ >= 0) {
+    const double value = gauge_scale_ * (gauge_value() - world_.spec.control.target * t1_);
+    if (owns_border()) r.back() = value;
+  }
   cached_x_ = x;
   cached_r_ = r;
   return true;
 }
 
-/// The matrix of the trial state last evaluated with its tangent.
+/// The matrix of the trial state last evaluated.
 void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
   const Stopwatch watch(times_.assembly);
   const Discretisation& d = *world_.discretisation;
-  NodalVector unused(d.n_nodes(), Vec2::Zero());
-  assembler_.zero(prescribed);
-  d.add_tangent(assembler_);
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  NodalVector unused(d.n_nodes(), Vec3::Zero());
+  assembler_.zero(fixed, d.halo.n_owned, gauge_scale_, prescribed);
+  d.add_tangent(settings_, assembler_);
   d.add_stabilisation(du_, unused, &assembler_);
   world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
   if (gauge_ < 0) return;
   std::vector<double> column, row;
-  const GaugeLine& g = world_.boundary->gauges()[gauge_];
-  std::vector<double> functional(n_unknowns_, 0.0), load(n_unknowns_, 0.0);
-  auto add = [&](const Anchor& a, double sign) {
-    for (int k = 0; k < a.stencil.n; ++k)
-      for (int c = 0; c < 2; ++c) {
-        const int equation = equation_[2 * a.stencil.node[k] + c];
-        if (equation >= 0) functional[equation] += sign * gauge_scale_ * a.stencil.N[k] * g.direction[c];
-      }
-  };
-  add(g.to, 1.0);
-  add(g.from, -1.0);
-  for (std::size_t dof = 0; dof < equation_.size(); ++dof)
-    if (equation_[dof] >= 0) load[equation_[dof]] = -pressure_[dof / 2][dof % 2];
-  for (int equation : border_.column_rows) column.push_back(load[equation]);
-  for (int equation : border_.row_columns) row.push_back(functional[equation]);
+  for (int k : border_.column_rows) column.push_back(fixed[k] ? 0.0 : -pressure_[k / dimension_][k % dimension_]);
+  for (int k : border_.row_columns)
+    row.push_back(fixed[k] ? 0.0 : gauge_scale_ * functional_[k / dimension_][k % dimension_]);
   assembler_.set_border(column, row);
 }
 
 /// First guess from the tangent at t_n: K_ff dx = -r(0) - K_fp du_p. The only linear solve of an IMPL-EX step.
 bool QuasiStaticStep::linear_predictor(std::vector<double>& x) {
+  const Discretisation& d = *world_.discretisation;
   const std::vector<double> prescribed = prescribed_;
   std::fill(prescribed_.begin(), prescribed_.end(), 0.0);
-  x.assign(n_unknowns_, 0.0);
-  if (gauge_ >= 0) x.back() = world_.load_factor;
+  x.assign(n_mine(), 0.0);
+  if (owns_border()) x.back() = world_.load_factor;
   std::vector<double> r, dx;
-  const bool fine = residual(x, r, true);
+  const bool fine = residual(x, r);
   if (fine) assemble(&prescribed);
   prescribed_ = prescribed;
-  cached_x_.clear();
+  cached_r_.clear();
   if (!fine) return false;
-  for (std::size_t i = 0; i < r.size(); ++i) r[i] = -r[i] - assembler_.prescribed_force()[i];
+  std::vector<double> from_prescribed = assembler_.prescribed_force();
+  d.halo.add_to_owners(from_prescribed.data(), dimension_);
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    const bool border = owns_border() && k + 1 == r.size();
+    r[k] = -r[k] - (border ? 0.0 : from_prescribed[k]);
+  }
   if (!newton_.solve_linear(r, dx)) return false;
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] += dx[i];
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] += dx[k];
   return true;
+}
+
+std::vector<double> QuasiStaticStep::last_increment(double factor) const {
+  std::vector<double> x(n_mine(), 0.0);
+  for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
+    x[k] = last_du_[k / dimension_][k % dimension_] * factor;
+  return x;
 }
 
 NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
   return newton_.solve(
-      x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out, false); },
+      x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out); },
       [this](const auto& at) {
         std::vector<double> unused;
-        residual(at, unused, true);
+        residual(at, unused);  // the trial state may be that of another place
         assemble(nullptr);
       });
 }
 
 StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   prepare(integration);
+  n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
   t0_ = world_.time;
   t1_ = world_.time + dt;
   settings_.dt = dt;
   prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);
-  du_.assign(world_.discretisation->n_nodes(), Vec2::Zero());
-  cached_x_.clear();
+  du_.assign(world_.discretisation->n_nodes(), Vec3::Zero());
+  cached_r_.clear();
 
   StepResult result;
   std::vector<double> x, r;
   if (integration == Integration::implicit && last_dt_ > 0.0 && gauge_ < 0) {
-    x.resize(n_unknowns_);
-    for (std::size_t dof = 0; dof < equation_.size(); ++dof)
-      if (equation_[dof] >= 0) x[equation_[dof]] = last_du_[dof / 2][dof % 2] * dt / last_dt_;
+    x = last_increment(dt / last_dt_);
   } else {
     ++result.iterations;
     if (!linear_predictor(x)) {
@@ -211,7 +243,11 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
       return result;
     }
   }
-  if (!residual(x, r, false)) {
+  // Prescribed unknowns have their values in the vector too, so that Newton's corrections of them are zero.
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
+    if (fixed[k]) x[k] = prescribed_[k];
+  if (!residual(x, r)) {
     last_dt_ = 0.0;
     result.reason = "the first guess lies outside of what the law is defined for";
     return result;
@@ -239,8 +275,8 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
     last_dt_ = 0.0;
     return result;
   }
-  residual(x, r, false);  // the trial state of the solution, if a rejected line search came after it
-  result.extrapolation_error = world_.discretisation->material.max_extrapolation_error();
+  residual(x, r);  // the trial state of the solution, if a rejected line search came after it
+  result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
   return result;
 }
 
@@ -251,30 +287,28 @@ void QuasiStaticStep::accept() {
   const Case& c = world_.spec;
   const double dt = t1_ - t0_;
   double work = 0.0;
-  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
-    if (!c.bodies[b].rigid) continue;
-    const Vec2 force = bc.rigid_force(static_cast<int>(b), du_, t0_, t1_, force_);
-    work += 0.5 * (force + balance_.rigid_force[b]).dot(c.bodies[b].displacement) * dt;
-    balance_.rigid_force[b] = force;
-  }
-  for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
-    const Vec2 force = bc.boundary_force(static_cast<int>(b), force_);
-    const Vec2 motion(c.boundaries[b].ux.value_or(0.0), c.boundaries[b].uy.value_or(0.0));
-    work += 0.5 * (force + balance_.boundary_force[b]).dot(motion) * dt;
-    balance_.boundary_force[b] = force;
-  }
+  const Reactions now = bc.reactions(du_, t0_, t1_, force_);
+  const Reactions& before = balance_.reactions;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    if (c.bodies[b].rigid) work += 0.5 * (now.rigid[b] + before.rigid[b]).dot(c.bodies[b].displacement) * dt;
+  for (std::size_t b = 0; b < c.boundaries.size(); ++b)
+    for (int i = 0; i < dimension_; ++i)
+      work += 0.5 * (now.boundary[b] + before.boundary[b])[i] * c.boundaries[b].u[i].value_or(0.0) * dt;
+  balance_.reactions = now;
   work += 0.5 * (load_factor_ + world_.load_factor) * dot(pressure_, du_);
   for (std::size_t k = 0; k < c.pressures.size(); ++k)
-    balance_.pressure_force[k] = load_factor_ * bc.pressure_force(c.pressures[k].name);
+    balance_.pressure_force[k] = load_factor_ * bc.pressure_force(static_cast<int>(k));
   if (!c.gravity.isZero()) {
-    NodalVector weight(d.n_nodes(), Vec2::Zero());
+    NodalVector weight(d.n_nodes(), Vec3::Zero());
     d.add_body_force(c.gravity * (0.5 * (t0_ + t1_)), weight);
+    d.halo.add_to_owners(weight.data()->data(), 3);
     work += dot(weight, du_);
   }
   balance_.external_work += work;
 
   bc.commit(du_, t0_, t1_);
   d.commit(du_, bc.anchors());
+  bc.share_gauges();
   last_du_ = du_;
   last_dt_ = dt;
   world_.time = t1_;

@@ -17,11 +17,10 @@ struct StepResult {
   std::string reason;
 };
 
-/// Forces and energies of the state at t_n.
+/// Forces and energies of the state at t_n, of all processes.
 struct Balance {
-  std::vector<Vec2> rigid_force;     ///< on the deformable bodies, by case body; zero for deformable ones [N]
-  std::vector<Vec2> boundary_force;  ///< by case boundary [N]
-  std::vector<Vec2> pressure_force;  ///< by case pressure [N]
+  Reactions reactions;
+  std::vector<Vec3> pressure_force;  ///< by case pressure [N]
   double external_work = 0.0;        ///< since the start [J]
 };
 
@@ -34,40 +33,52 @@ class QuasiStaticStep {
 public:
   explicit QuasiStaticStep(World& world);
 
-  /// Tries to reach time + dt. The world does not change.
+  /// Tries to reach time + dt. The world does not change. Collective.
   StepResult attempt(double dt, Integration integration);
   /// Commits the last successful attempt.
   void accept();
 
   const Balance& balance() const { return balance_; }
+  /// After a restart: the balance of the saved state.
+  void restore(const Balance& balance) { balance_ = balance; }
   StepTimes times() const;
-  int unknowns() const { return n_unknowns_; }
+  LinearCount linear_count() const { return newton_.count(); }
+  /// How linear systems are solved and why; empty before the first step.
+  const std::string& solver_choice() const { return newton_.choice(); }
+  long unknowns() const { return n_unknowns_; }
 
 private:
   void prepare(Integration integration);
-  bool residual(const std::vector<double>& x, std::vector<double>& r, bool tangent);
+  void lay_out(bool symmetric);
+  bool residual(const std::vector<double>& x, std::vector<double>& r);
+  void sum_forces();
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
+  std::vector<double> last_increment(double factor) const;
   NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;
+  double norm(const NodalVector& f) const;
+  double dot(const NodalVector& a, const NodalVector& b) const;
+  bool owns_border() const { return gauge_ >= 0 && world_.comm.rank() + 1 == world_.comm.size(); }
+  int n_mine() const;
 
   World& world_;
+  int dimension_;
   NewtonSolver newton_;
   BlockAssembler assembler_;
   LawSettings settings_;
 
   // connectivity of the last preparation
-  Blocks blocks_;
-  std::vector<int> equation_;
+  long connectivity_ = -1;
   Border border_;
   bool symmetric_ = false;
   bool prepared_ = false;  ///< for the state at t_n
 
   double t0_ = 0.0, t1_ = 0.0, load_factor_ = 0.0;
   double force_scale_ = 0.0;
-  int n_unknowns_ = 0;
-  NodalVector du_, last_du_, force_, external_, pressure_;
+  long n_unknowns_ = 0;
+  NodalVector du_, last_du_, force_, external_, pressure_, functional_;
   double last_dt_ = 0.0;
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;

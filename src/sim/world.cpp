@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "base/error.hpp"
 #include "fem/fem.hpp"
 #include "mesh/gmsh.hpp"
+#include "sim/surfaces.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -19,19 +21,19 @@ const Material& material_of(const Case& c, const Body& body) {
   throw InputError("body \"" + body.name + "\" has no material");
 }
 
-/// A mesh reduced to the cells of one physical surface.
+/// A mesh reduced to the cells of one physical surface or volume.
 Mesh extract_group(const Mesh& mesh, const std::string& group, const std::string& file) {
   if (group.empty()) return mesh;
   const auto found = mesh.cell_groups.find(group);
   if (found == mesh.cell_groups.end()) {
     std::string names;
     for (const auto& [name, cells] : mesh.cell_groups) names += (names.empty() ? "" : ", ") + name;
-    throw InputError(fmt::format("{}: no physical surface named \"{}\" (there is: {})", file, group,
-                                 names.empty() ? "none" : names));
+    throw InputError(fmt::format("{}: no physical {} named \"{}\" (there is: {})", file,
+                                 mesh.dimension() == 3 ? "volume" : "surface", group, names.empty() ? "none" : names));
   }
   Mesh out;
   std::vector<int> number(mesh.nodes.size(), -1);
-  std::array<int, 8> list{};
+  std::array<int, 20> list{};
   for (int c : found->second) {
     const int n = nodes_of(mesh.kinds[c]);
     for (int k = 0; k < n; ++k) {
@@ -50,82 +52,55 @@ Mesh extract_group(const Mesh& mesh, const std::string& group, const std::string
   return out;
 }
 
-Mesh body_mesh(const Body& body, const BodyMeshOptions& options) {
-  if (!body.mesh_file.empty()) return extract_group(read_msh(body.mesh_file), body.mesh_group, body.mesh_file);
+/// A Gmsh file whose cells have the dimension of the model.
+Mesh read_mesh(const Case& c, const std::string& file) {
+  Mesh mesh = read_msh(file);
+  if (mesh.dimension() != c.dimension())
+    throw InputError(fmt::format("{}: a mesh of {} cells, but [model] dimension = {}", file,
+                                 mesh.dimension() == 3 ? "solid" : "plane", c.dimension()));
+  return mesh;
+}
+
+Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) {
+  if (!body.mesh_file.empty()) return extract_group(read_mesh(c, body.mesh_file), body.mesh_group, body.mesh_file);
   return mesh_shape(*body.shape, options);
 }
 
-SurfacePoint surface_point(int body, const Vec2& x, const Vec2& normal, double length) {
-  SurfacePoint s;
-  s.anchor.body = body;
-  s.anchor.X = s.anchor.x = x;
-  s.normal = normal;
-  s.anchor.inward = -normal;
-  s.length = length;
-  return s;
-}
+/// Surface points stand this many to a cell: enough for the ends of a loaded arc to count. In space each stands for an
+/// area, and the faces of a body have many.
+double surface_points_per_cell(const Case& c) { return c.dimension() == 3 ? 3.0 : 10.0; }
 
-/// Surface of a meshed body: every boundary edge in equal pieces no longer than `spacing`.
-BodySurface surface_of_mesh(int body, const Mesh& mesh, double spacing) {
-  BodySurface surface;
-  surface.body = body;
-  std::map<int, std::vector<std::string>> groups;
-  for (const auto& [name, nodes] : mesh.node_groups)
-    for (int node : nodes) groups[node].push_back(name);
-  for (const Edge& e : boundary_edges(mesh)) {
-    const int n = corners_of(mesh.kinds[e.cell]);
-    const int a = mesh.cell(e.cell)[e.local], b = mesh.cell(e.cell)[(e.local + 1) % n];
-    const Vec2 p = mesh.nodes[a], t = mesh.nodes[b] - p;
-    const int pieces = std::max(2, static_cast<int>(std::ceil(t.norm() / spacing)));
-    std::vector<std::string> common;
-    for (const std::string& name : groups[a])
-      if (std::find(groups[b].begin(), groups[b].end(), name) != groups[b].end()) common.push_back(name);
-    for (int k = 0; k < pieces; ++k) {
-      surface.points.push_back(
-          surface_point(body, p + t * ((k + 0.5) / pieces), Vec2(t.y(), -t.x()).normalized(), t.norm() / pieces));
-      surface.points.back().groups = common;
-    }
-  }
-  return surface;
-}
-
-BodySurface surface_of_shape(int body, const Region& region, double spacing) {
-  BodySurface surface;
-  surface.body = body;
-  for (const BoundaryPiece& piece : region.boundary(spacing))
-    surface.points.push_back(surface_point(body, piece.centre, piece.normal, piece.length));
-  return surface;
-}
-
-/// Surface points stand this many to a cell: enough for the ends of a loaded arc to count.
-constexpr double surface_points_per_cell = 10.0;
-
-/// Name and kind; the area too if the body is rigid, since nothing else will tell.
-BodySummary summary_of(const Body& body) {
+/// Name and kind; the measure too if the body is rigid, since nothing else will tell.
+BodySummary summary_of(const Body& body, double cell_size) {
   BodySummary summary;
   summary.name = body.name;
   summary.rigid = body.rigid;
-  if (body.rigid) summary.area = Region(*body.shape).area();
+  if (body.rigid) summary.measure = Region(*body.shape, cell_size).measure();
   return summary;
+}
+
+/// Volume of what a point or element at x with that measure stands for [m3].
+double volume_of(const Case& c, const Vec3& x, double measure) {
+  if (c.space == Space::axisymmetric) return measure * 2.0 * std::numbers::pi * x.x();
+  return measure * (c.space == Space::solid ? 1.0 : c.thickness);
+}
+
+double thickness_of(const Case& c) { return c.space == Space::solid || c.space == Space::axisymmetric ? 1.0 : c.thickness; }
+
+Grid make_grid(const Case& c) {
+  if (const auto* structured = std::get_if<StructuredGrid>(&c.grid)) return make_structured_grid(*structured);
+  return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
 }
 
 void build_mpm(World& w) {
   const Case& c = w.spec;
-  Grid grid;
-  std::map<std::string, std::vector<int>> node_groups;
-  if (const auto* structured = std::get_if<StructuredGrid>(&c.grid)) {
-    grid = make_structured_grid(*structured);
-  } else {
-    Mesh mesh = read_msh(std::get<std::string>(c.grid));
-    node_groups = mesh.node_groups;
-    grid = make_unstructured_grid(std::move(mesh));
-  }
-  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.solver.ghost_penalty, c.formulation);
-  const double spacing = mpm->cell_size() / surface_points_per_cell;
-  std::vector<BodySurface> surfaces;
+  auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm);
+  const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
+  std::vector<SurfacePoint> surface;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
-    BodySummary summary = summary_of(body);
+    const int index = static_cast<int>(b);
+    BodySummary summary = summary_of(body, h);
     if (body.rigid) {
       w.bodies.push_back(summary);
       continue;
@@ -133,50 +108,58 @@ void build_mpm(World& w) {
     const Material& material = material_of(c, body);
     SeededPoints points;
     if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
-      const Mesh mesh = body_mesh(body, body.points.mesh);
+      const Mesh mesh = body_mesh(c, body, body.points.mesh);
       points = seed_from_mesh(mesh, body.points.per_element);
-      if (body.shape) fit_to_cells(points, Region(*body.shape), mpm->grid());
-      surfaces.push_back(body.shape ? surface_of_shape(static_cast<int>(b), Region(*body.shape), spacing)
-                                    : surface_of_mesh(static_cast<int>(b), mesh, spacing));
       summary.elements = mesh.n_cells();
+      if (body.shape) {
+        const Region region(*body.shape, h);
+        fit_to_cells(points, region, mpm->grid());
+        add_surface_of_shape(c, index, region, spacing, surface);
+      } else {
+        add_surface_of_mesh(c, index, mesh, spacing, surface);
+      }
     } else {
-      const Region region(*body.shape);
+      const Region region(*body.shape, h);
       points = seed_from_grid(region, mpm->grid(), body.points, body.name);
-      surfaces.push_back(surface_of_shape(static_cast<int>(b), region, spacing));
+      add_surface_of_shape(c, index, region, spacing, surface);
     }
-    mpm->add_body(static_cast<int>(b), body.name, material, points, c.thickness);
-    for (double a : points.area) summary.area += a;
+    mpm->add_body(index, body.name, material, points, thickness_of(c));
+    for (std::size_t p = 0; p < points.x.size(); ++p) {
+      summary.measure += points.measure[p];
+      summary.mass += volume_of(c, points.x[p], points.measure[p]) * material.density;
+    }
     summary.points = static_cast<int>(points.x.size());
-    summary.mass = summary.area * c.thickness * material.density;
     w.bodies.push_back(summary);
   }
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, std::move(surfaces), node_groups);
+  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, surface);
   w.discretisation = std::move(mpm);
 }
 
 void build_fem(World& w) {
   const Case& c = w.spec;
-  auto fem = std::make_unique<FemDiscretisation>();
-  std::vector<BodySurface> surfaces;
+  auto fem = std::make_unique<FemDiscretisation>(c.space, w.comm);
+  std::vector<SurfacePoint> surface;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
-    BodySummary summary = summary_of(body);
-    if (body.rigid) {
-      w.bodies.push_back(summary);
-      continue;
-    }
+    const int index = static_cast<int>(b);
+    if (body.rigid) continue;
     const Material& material = material_of(c, body);
-    const Mesh mesh = body_mesh(body, body.mesh);
-    const int before = fem->material.size();
-    fem->add_body(static_cast<int>(b), body.name, material, mesh, c.thickness);
-    for (int e = 0; e < mesh.n_cells(); ++e) summary.area += cell_area(mesh, e);
-    summary.points = fem->material.size() - before;
+    const Mesh mesh = body_mesh(c, body, body.mesh);
+    fem->add_body(index, body.name, material, mesh, thickness_of(c));
+    BodySummary summary = summary_of(body, fem->cell_size());
+    for (int e = 0; e < mesh.n_cells(); ++e) {
+      const double measure = cell_measure(mesh, e);
+      summary.measure += measure;
+      summary.mass += volume_of(c, cell_centre(mesh, e), measure) * material.density;
+    }
+    summary.points = fem->points_of_body(index);
     summary.elements = mesh.n_cells();
-    summary.mass = summary.area * c.thickness * material.density;
-    surfaces.push_back(surface_of_mesh(static_cast<int>(b), mesh, fem->cell_size() / surface_points_per_cell));
+    add_surface_of_mesh(c, index, mesh, fem->cell_size() / surface_points_per_cell(c), surface);
     w.bodies.push_back(summary);
   }
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, std::move(surfaces), fem->mesh().node_groups);
+  for (const Body& body : c.bodies)
+    if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
+  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, surface);
   w.discretisation = std::move(fem);
 }
 
@@ -184,11 +167,13 @@ void build_fem(World& w) {
 void collect_warnings(World& w) {
   w.warnings = w.spec.warnings;
   // No error: a body may move there later.
-  if (const std::string name = w.boundary->idle_boundary(*w.discretisation); !name.empty())
+  if (const std::string name = w.boundary->idle_boundary(); !name.empty())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   const MaterialState& m = w.discretisation->material;
   for (const Slice& slice : m.slices) {
-    const double longest = *std::max_element(m.length.begin() + slice.begin, m.length.begin() + slice.end);
+    double longest = 0.0;
+    for (int p = slice.begin; p < slice.end; ++p) longest = std::max(longest, m.length[p]);
+    longest = w.comm.max(longest);
     const std::string problem = std::visit([&](const auto& law) { return law.check(4.0 * longest); }, slice.law);
     if (!problem.empty())
       w.warnings.push_back(
@@ -198,16 +183,18 @@ void collect_warnings(World& w) {
   }
 }
 
-/// Pins, gauges and probes must lie in a deformable body.
+/// Pins, gauges and probes must lie in a deformable body. Process 0 still has all the points.
 void check_places(const World& w) {
   const Discretisation& d = *w.discretisation;
-  const std::vector<Vec2> points = d.point_positions();
+  const std::vector<Vec3> points = d.point_positions();
   const double reach = 1.5 * d.cell_size();
-  auto check = [&](const char* kind, const std::string& name, const Vec2& x) {
-    for (const Vec2& p : points)
-      if ((p - x).norm() <= reach) return;
-    throw InputError(fmt::format("[{}.{}]: the point ({:.6g}, {:.6g}) lies outside of every deformable body", kind,
-                                 name, x.x(), x.y()));
+  auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
+    const bool near = w.comm.any(
+        std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
+    if (near) return;
+    const std::string z = d.dimension() == 3 ? fmt::format(", {:.6g}", x.z()) : "";
+    throw InputError(fmt::format("[{}.{}]: the point ({:.6g}, {:.6g}{}) lies outside of every deformable body", kind,
+                                 name, x.x(), x.y(), z));
   };
   for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
   for (const Gauge& g : w.spec.output.gauges) {
@@ -217,11 +204,41 @@ void check_places(const World& w) {
   for (const Probe& p : w.spec.output.probes) check("probe", p.name, p.at);
 }
 
+/// Bytes of the factors of a direct solver: nested dissection leaves about 31/2 n log2 n entries in the plane (George
+/// 1973) and about 8 n^(4/3) in space. With multigrid the matrix and its coarse levels count, about 1.6 of it.
+double solver_bytes(const World& w, long unknowns) {
+  const double n = std::max(2L, unknowns);
+  if (w.spec.dimension() == 2) return 31.0 / 2.0 * n * std::log2(n) * 8.0;
+  const bool direct = w.spec.solver.linear == Solver::Linear::direct || n <= 20000;
+  return direct ? 8.0 * std::pow(n, 4.0 / 3.0) * 8.0 : 1.6 * 81.0 * n * 12.0;
+}
+
+const char* space_text(Space space) {
+  switch (space) {
+    case Space::plane_strain:
+      return "plane strain";
+    case Space::plane_stress:
+      return "plane stress";
+    case Space::axisymmetric:
+      return "axisymmetric";
+    default:
+      return "three-dimensional";
+  }
+}
+
 }  // namespace
 
-std::unique_ptr<World> build_world(Case spec) {
+void World::begin_step() {
+  discretisation->move_points(spec.parallel.rebalance);
+  boundary->move_anchors(*discretisation);
+  discretisation->begin_step(boundary->anchors());
+  boundary->begin_step(*discretisation);
+}
+
+std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   auto w = std::make_unique<World>();
   w->spec = std::move(spec);
+  w->comm = comm;
   if (w->spec.method == Method::mpm)
     build_mpm(*w);
   else
@@ -229,42 +246,41 @@ std::unique_ptr<World> build_world(Case spec) {
   double youngs = 0.0;
   for (const Material& m : w->spec.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.youngs_modulus; }, m.law));
-  w->elastic_scale = youngs * w->discretisation->cell_size() * w->spec.thickness;
+  const double h = w->discretisation->cell_size();
+  const bool plane = w->spec.space == Space::plane_strain || w->spec.space == Space::plane_stress;
+  w->elastic_scale = youngs * h * (plane ? w->spec.thickness : h);
   check_places(*w);
-  w->discretisation->begin_step(w->boundary->anchors());
-  w->boundary->begin_step(*w->discretisation);
+  w->begin_step();
   collect_warnings(*w);
   return w;
 }
 
 std::string describe(const World& w) {
   const Discretisation& d = *w.discretisation;
+  const bool solid = w.spec.dimension() == 3;
   std::string text;
   auto line = [&](const std::string& s) { text += s + "\n"; };
   line(fmt::format("{}", w.spec.title));
-  line(fmt::format("  method            {}, plane {}, {} strain",
+  line(fmt::format("  method            {}, {}, {} strain",
                    w.spec.method == Method::fem                          ? "fem"
                    : w.spec.formulation == Formulation::total_lagrangian ? "mpm, total Lagrangian"
                                                                          : "mpm",
-                   w.spec.plane == Plane::strain ? "strain" : "stress",
-                   w.spec.kinematics == Kinematics::finite ? "finite" : "small"));
+                   space_text(w.spec.space), w.spec.kinematics == Kinematics::finite ? "finite" : "small"));
+  const char* unit = solid ? "m3" : "m2";
   for (const BodySummary& b : w.bodies)
-    line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} m2", b.name, b.area)
-                 : fmt::format("  body {:<12} {:.6g} m2, {:.6g} kg, {} points{}", b.name, b.area, b.mass, b.points,
-                               b.elements ? fmt::format(", {} elements", b.elements) : ""));
-  const int cells = [&] {
-    if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d))
-      return static_cast<int>(mpm->active_cells().size());
-    return d.blocks.size();
-  }();
-  const int dofs = w.boundary->n_equations();
-  line(fmt::format("  cells             {} in use, {:.2f} points each", cells, double(d.material.size()) / cells));
+    line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)
+                 : fmt::format("  body {:<12} {:.6g} {}, {:.6g} kg, {} points{}", b.name, b.measure, unit, b.mass,
+                               b.points, b.elements ? fmt::format(", {} elements", b.elements) : ""));
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
+  const long cells = w.comm.sum(mpm ? long(mpm->active_cells().size()) : long(d.blocks.size()));
+  const long points = w.n_points(), unknowns = w.boundary->n_free();
+  line(fmt::format("  cells             {} in use, {:.2f} points each", cells, double(points) / cells));
   line(fmt::format("  cell size         {:.6g} m", d.cell_size()));
-  line(fmt::format("  unknowns          {}", dofs));
-  // Two-dimensional nested dissection: about 31 n log2(n) entries in the factors (George 1973), 8 bytes each.
-  const double factor = 31.0 / 2.0 * dofs * std::log2(std::max(dofs, 2)) * 8.0;
-  const double points = d.material.size() * 1000.0;
-  line(fmt::format("  memory, estimated {:.0f} MB", (factor + points) / 1e6 + 60.0));
+  line(fmt::format("  unknowns          {}", unknowns));
+  if (w.comm.size() > 1)
+    line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
+                     d.most_loaded()));
+  line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0) / 1e6 + 60.0));
   line(fmt::format("  steps             {}{}", w.spec.steps.count, w.spec.steps.adaptive ? " (adaptive)" : ""));
   for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;

@@ -12,12 +12,13 @@ namespace berm {
 struct BodySummary {
   std::string name;
   bool rigid = false;
-  double area = 0.0, mass = 0.0;  ///< [m2], [kg]
+  double measure = 0.0, mass = 0.0;  ///< [m2] or [m3], [kg]
   int points = 0, elements = 0;
 };
 
 struct World {
   Case spec;
+  Comm comm;
   std::unique_ptr<Discretisation> discretisation;
   std::unique_ptr<BoundaryConditions> boundary;
   std::vector<BodySummary> bodies;
@@ -27,12 +28,17 @@ struct World {
   double time = 0.0;           ///< 0 ... 1
   double load_factor = 0.0;    ///< of the pressures
   double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
+
+  /// Points and anchors find cells and processes; connectivity and prescribed unknowns of the coming step. Collective.
+  void begin_step();
+  /// Points of all processes. Collective.
+  long n_points() const { return comm.sum(long(discretisation->material.size())); }
 };
 
-/// Builds everything that the case describes. Throws InputError.
-std::unique_ptr<World> build_world(Case spec);
+/// Builds everything that the case describes. Throws InputError, the same on all processes.
+std::unique_ptr<World> build_world(Case spec, const Comm& comm = {});
 
-/// What `berm check` prints: bodies, masses, points per cell, dofs, memory, warnings.
+/// What `berm check` prints: bodies, masses, points per cell, dofs, memory, warnings. Collective.
 std::string describe(const World& world);
 
 }  // namespace berm

@@ -18,7 +18,9 @@ namespace {
 
 PlaneShape box(double x0, double y0, double x1, double y1) { return {Box{Vec2(x0, y0), Vec2(x1, y1)}}; }
 PlaneShape disc(double x, double y, double r) { return {Disc{Vec2(x, y), r}}; }
-PlaneShape minus(std::vector<PlaneShape> parts) { return {Combination{Combination::Kind::difference, std::move(parts)}}; }
+PlaneShape minus(std::vector<PlaneShape> parts) {
+  return {Combination{Combination::Kind::difference, std::move(parts)}};
+}
 
 PlaneShape slit_specimen() {
   return minus({box(-0.15, 0, 0.15, 0.15), box(-0.0775, 0, -0.0725, 0.02), box(0.0725, 0, 0.0775, 0.02),
@@ -36,13 +38,13 @@ BodyMeshOptions options(BodyMeshKind kind, double size, int order = 1, bool stru
 
 double total_area(const Mesh& mesh) {
   double area = 0.0;
-  for (int c = 0; c < mesh.n_cells(); ++c) area += cell_area(mesh, c);
+  for (int c = 0; c < mesh.n_cells(); ++c) area += cell_measure(mesh, c);
   return area;
 }
 
 double worst_corner(const Mesh& mesh) {
   double worst = 1.0;
-  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_sine(mesh, c));
+  for (int c = 0; c < mesh.n_cells(); ++c) worst = std::min(worst, smallest_corner_jacobian(mesh, c));
   return worst;
 }
 
@@ -56,7 +58,7 @@ void expect_mid_sides(const Mesh& mesh, double tolerance) {
     const int n = corners_of(mesh.kinds[c]);
     const int* nodes = mesh.cell(c);
     for (int i = 0; i < n; ++i) {
-      const Vec2 middle = 0.5 * (mesh.nodes[nodes[i]] + mesh.nodes[nodes[(i + 1) % n]]);
+      const Vec3 middle = 0.5 * (mesh.nodes[nodes[i]] + mesh.nodes[nodes[(i + 1) % n]]);
       EXPECT_LT((mesh.nodes[nodes[n + i]] - middle).norm(), tolerance);
     }
   }
@@ -120,7 +122,7 @@ TEST(ReadMsh, CellsNodesAndGroups) {
   EXPECT_EQ(mesh.kinds[mesh.cell_groups.at("left")[0]], CellKind::quad4);
   EXPECT_EQ(mesh.cell_groups.at("all"), mesh.cell_groups.at("left"));
   EXPECT_EQ(mesh.cell_groups.at("right").size(), 2u);
-  EXPECT_EQ(boundary_edges(mesh).size(), 6u);
+  EXPECT_EQ(boundary_faces(mesh).size(), 6u);
 }
 
 TEST(ReadMsh, Version41WithQuadraticCells) {
@@ -133,9 +135,9 @@ TEST(ReadMsh, Version41WithQuadraticCells) {
   const Mesh mesh = read_msh(file.path());
   ASSERT_EQ(mesh.n_cells(), 1);
   EXPECT_EQ(mesh.kinds[0], CellKind::quad8);
-  EXPECT_NEAR(cell_area(mesh, 0), 1.0, 1e-15);
+  EXPECT_NEAR(cell_measure(mesh, 0), 1.0, 1e-15);
   for (int i = 0; i < 4; ++i) {
-    const Vec2 middle = 0.5 * (mesh.nodes[mesh.cell(0)[i]] + mesh.nodes[mesh.cell(0)[(i + 1) % 4]]);
+    const Vec3 middle = 0.5 * (mesh.nodes[mesh.cell(0)[i]] + mesh.nodes[mesh.cell(0)[(i + 1) % 4]]);
     EXPECT_LT((mesh.nodes[mesh.cell(0)[4 + i]] - middle).norm(), 0.11);
   }
 }
@@ -154,7 +156,7 @@ TEST(ReadMsh, ErrorsNameFileAndReason) {
       {replaced(two_squares, "6 2 2 2 2 2 13 4", "6 2 2 2 2 2 13 77"), "77"},
       {replaced(two_squares, "6 2 2 2 2 2 13 4", "6 2 2 2 2 2 13 13"), "twice"},
       {replaced(two_squares, "13 2 0 0", "13 1.5 0.5 0"), "degenerate"},
-      {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 4 2 2 2 2 4 5 1"), "type 4 is not supported"},
+      {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 4 2 2 2 2 4 5 1"), "plane and volume cells are mixed"},
       {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 10 2 2 2 1 2 5 6 4 9 20 13 4"), "not supported"},
       {std::string(two_squares).substr(0, 300), ""},
   };
@@ -213,12 +215,12 @@ TEST(MeshShape, StructuredDiscIsSymmetricAndFillsTheDisc) {
     const Mesh mesh = mesh_shape(disc(0.3, -0.2, 0.075), options(BodyMeshKind::quads, 0.005, order, true));
     EXPECT_EQ(mesh.n_cells(), 27 * 27);  // round(sqrt(pi) R / h) = 27
     double area = 0.0;
-    Vec2 moment = Vec2::Zero();
+    Vec3 moment = Vec3::Zero();
     for (int c = 0; c < mesh.n_cells(); ++c) {
-      EXPECT_GT(cell_area(mesh, c), 0.0);
-      area += cell_area(mesh, c);
+      EXPECT_GT(cell_measure(mesh, c), 0.0);
+      area += cell_measure(mesh, c);
     }
-    for (const Vec2& x : mesh.nodes) moment += x - Vec2(0.3, -0.2);
+    for (const Vec3& x : mesh.nodes) moment += x - Vec3(0.3, -0.2, 0.0);
     EXPECT_NEAR(area / (std::numbers::pi * 0.075 * 0.075), 1.0, 0.003);
     EXPECT_NEAR(moment.norm(), 0.0, 1e-12);
   }
@@ -253,7 +255,7 @@ TEST(MeshShape, StructuredSlits) {
   EXPECT_EQ(mesh.n_cells(), (15 + 1 + 29 + 1 + 15) * 30 - 4 * 4);
   EXPECT_NEAR(total_area(mesh), 0.045 - 4e-4, 1e-14);
   double length = 0.0;
-  for (const Edge& e : boundary_edges(mesh))
+  for (const CellFace& e : boundary_faces(mesh))
     length += (mesh.nodes[mesh.cell(e.cell)[e.local]] - mesh.nodes[mesh.cell(e.cell)[(e.local + 1) % 4]]).norm();
   EXPECT_NEAR(length, 0.9 + 8 * 0.02, 1e-13);
   const PlaneShape triangle{Polygon{{Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}}};
@@ -268,8 +270,8 @@ TEST(MeshShape, DiscOfQuads) {
     EXPECT_NEAR(mesh.n_cells(), expected, 0.15 * expected);
     EXPECT_GT(worst_corner(mesh), 0.5);
     EXPECT_NEAR(total_area(mesh), std::acos(-1.0) * 0.075 * 0.075, 4e-3 * 0.0177);
-    for (const Edge& e : boundary_edges(mesh))
-      EXPECT_NEAR((mesh.nodes[mesh.cell(e.cell)[e.local]] - Vec2(0.1, 0.2)).norm(), 0.075, 1e-12);
+    for (const CellFace& e : boundary_faces(mesh))
+      EXPECT_NEAR((mesh.nodes[mesh.cell(e.cell)[e.local]] - Vec3(0.1, 0.2, 0.0)).norm(), 0.075, 1e-12);
   }
 }
 
@@ -278,7 +280,7 @@ TEST(MeshShape, QuadraticDiscFollowsTheArc) {
     const Mesh mesh = mesh_shape(disc(0, 0, 0.075), options(kind, 0.01, 2));
     EXPECT_TRUE(all_of_kind(mesh, kind == BodyMeshKind::quads ? CellKind::quad8 : CellKind::tri6));
     EXPECT_GT(worst_corner(mesh), 0.4);
-    for (const Edge& e : boundary_edges(mesh)) {
+    for (const CellFace& e : boundary_faces(mesh)) {
       const int mid = mesh.cell(e.cell)[corners_of(mesh.kinds[e.cell]) + e.local];
       EXPECT_NEAR(mesh.nodes[mid].norm(), 0.075, 1e-6);
     }

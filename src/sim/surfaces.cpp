@@ -1,0 +1,120 @@
+#include "sim/surfaces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+namespace berm {
+namespace {
+
+/// measure: length [m] in plane models, area [m2] in space.
+SurfacePoint surface_point(const Case& c, int body, const Vec3& x, const Vec3& normal, double measure) {
+  SurfacePoint s;
+  s.body = body;
+  s.X = x;
+  s.normal = normal;
+  switch (c.space) {
+    case Space::solid:
+      s.area = measure;
+      s.size = std::sqrt(measure);
+      return s;
+    case Space::axisymmetric:
+      s.area = measure * 2.0 * std::numbers::pi * x.x();
+      break;
+    default:
+      s.area = measure * c.thickness;
+  }
+  s.size = measure;
+  return s;
+}
+
+/// A straight-sided face in pieces: centres and measures.
+struct FacePieces {
+  std::vector<Vec3> centre;
+  std::vector<double> measure;
+};
+
+FacePieces divide_edge(const Vec3& a, const Vec3& b, int n) {
+  FacePieces out;
+  for (int k = 0; k < n; ++k) {
+    out.centre.push_back(a + (b - a) * ((k + 0.5) / n));
+    out.measure.push_back((b - a).norm() / n);
+  }
+  return out;
+}
+
+FacePieces divide_triangle(const std::array<Vec3, 4>& p, int n) {
+  FacePieces out;
+  const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm() / (n * n);
+  const auto add = [&](double i, double j) {
+    out.centre.push_back(p[0] + (p[1] - p[0]) * (i / n) + (p[2] - p[0]) * (j / n));
+    out.measure.push_back(area);
+  };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i + j < n; ++i) {
+      add(i + 1.0 / 3.0, j + 1.0 / 3.0);
+      if (i + j < n - 1) add(i + 2.0 / 3.0, j + 2.0 / 3.0);
+    }
+  return out;
+}
+
+FacePieces divide_quad(const std::array<Vec3, 4>& p, int n) {
+  FacePieces out;
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const double u = (i + 0.5) / n, v = (j + 0.5) / n;
+      const Vec3 along = (1.0 - v) * (p[1] - p[0]) + v * (p[2] - p[3]);
+      const Vec3 across = (1.0 - u) * (p[3] - p[0]) + u * (p[2] - p[1]);
+      out.centre.push_back((1.0 - u) * (1.0 - v) * p[0] + u * (1.0 - v) * p[1] + u * v * p[2] + (1.0 - u) * v * p[3]);
+      out.measure.push_back(along.cross(across).norm() / (n * n));
+    }
+  return out;
+}
+
+}  // namespace
+
+void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spacing, std::vector<SurfacePoint>& out) {
+  std::map<int, std::vector<std::string>> groups;
+  for (const auto& [name, nodes] : mesh.node_groups)
+    for (int node : nodes) groups[node].push_back(name);
+  for (const CellFace& f : boundary_faces(mesh)) {
+    const FaceCorners& face = faces_of(mesh.kinds[f.cell])[f.local];
+    std::array<Vec3, 4> p;
+    std::array<int, 4> node{};
+    double longest = 0.0;
+    for (int k = 0; k < face.n; ++k) {
+      node[k] = mesh.cell(f.cell)[face.corner[k]];
+      p[k] = mesh.nodes[node[k]];
+    }
+    for (int k = 0; k < face.n; ++k) longest = std::max(longest, (p[(k + 1) % face.n] - p[k]).norm());
+    const int n = std::max(2, static_cast<int>(std::ceil(longest / spacing - 1e-9)));
+    const FacePieces pieces = face.n == 2   ? divide_edge(p[0], p[1], n)
+                              : face.n == 3 ? divide_triangle(p, n)
+                                            : divide_quad(p, n);
+    const Vec3 normal = face.n == 2   ? Vec3(p[1].y() - p[0].y(), p[0].x() - p[1].x(), 0.0)
+                        : face.n == 3 ? Vec3((p[1] - p[0]).cross(p[2] - p[0]))
+                                      : Vec3((p[2] - p[0]).cross(p[3] - p[1]));
+    std::vector<std::string> common = groups.count(node[0]) ? groups.at(node[0]) : std::vector<std::string>{};
+    std::erase_if(common, [&](const std::string& name) {
+      for (int k = 1; k < face.n; ++k) {
+        const auto found = groups.find(node[k]);
+        if (found == groups.end() || std::find(found->second.begin(), found->second.end(), name) == found->second.end())
+          return true;
+      }
+      return false;
+    });
+    for (std::size_t k = 0; k < pieces.centre.size(); ++k) {
+      out.push_back(surface_point(c, body, pieces.centre[k], normal.normalized(), pieces.measure[k]));
+      out.back().groups = common;
+    }
+  }
+}
+
+void add_surface_of_shape(const Case& c, int body, const Region& region, double spacing,
+                          std::vector<SurfacePoint>& out) {
+  for (const BoundaryPiece& piece : region.boundary(spacing))
+    out.push_back(surface_point(c, body, piece.centre, piece.normal, piece.measure));
+}
+
+}  // namespace berm

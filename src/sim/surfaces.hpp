@@ -1,0 +1,14 @@
+#pragma once
+/// The surfaces of bodies in pieces that carry loads and contact.
+
+#include "bc/surface.hpp"
+
+namespace berm {
+
+/// Every face of the boundary of a body's mesh in equal pieces no longer than `spacing`, at least two an edge.
+void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spacing, std::vector<SurfacePoint>& out);
+/// The boundary of a shape in pieces no longer than `spacing`.
+void add_surface_of_shape(const Case& c, int body, const Region& region, double spacing,
+                          std::vector<SurfacePoint>& out);
+
+}  // namespace berm
