@@ -78,8 +78,13 @@ std::string summary_json(const Summary& s) {
   line("newton_iterations", std::to_string(s.newton_iterations));
   line("wall_seconds", number(s.wall_seconds));
   line("thickness", number(s.thickness));
+  line("dimension", std::to_string(s.dimension));
+  line("axisymmetric", s.axisymmetric ? "true" : "false");
+  line("processes", std::to_string(s.processes));
   line("references", "[" + listed(s.references, ", ", quoted) + "]");
   line("body_rings", object(listed(s.body_rings, ",\n", body_json)));
+  const auto surface = [](const auto& body) { return fmt::format("    {}: {}", quoted(body.first), quoted(body.second)); };
+  line("body_surfaces", object(listed(s.body_surfaces, ",\n", surface)));
   const auto metric = [](const auto& m) { return fmt::format("    {}: {}", quoted(m.first), number(m.second)); };
   return out + "  \"metrics\": " + object(listed(s.metrics, ",\n", metric)) + "\n}\n";
 }

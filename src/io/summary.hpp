@@ -23,8 +23,12 @@ struct Summary {
   long newton_iterations = 0;
   double wall_seconds = 0.0;
   double thickness = 1.0;  ///< of the plane model [m]
+  int dimension = 2;
+  bool axisymmetric = false;
+  int processes = 1;
   std::map<std::string, std::vector<std::vector<Vec2>>>
-      body_rings;                                       ///< outer rings and holes by body, at the start [m]
+      body_rings;  ///< in the plane: outer rings and holes by body, at the start [m]
+  std::map<std::string, std::string> body_surfaces;     ///< in space: files of the surfaces by body, at the start
   std::vector<std::string> references;                  ///< reference curves for the report, absolute paths
   std::vector<std::pair<std::string, double>> metrics;  ///< "peak_load [N]" and so on; NaN: not defined
 };

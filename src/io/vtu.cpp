@@ -74,6 +74,11 @@ void append_compressed(std::string& out, std::string_view raw) {
   }
 }
 
+const char* type_of(const VtuField& field) {
+  constexpr const char* types[] = {"Float64", "Int32", "Int64"};
+  return types[field.values.index()];
+}
+
 /// The XML part and the appended binary part grow together: an array's header carries its offset into the latter.
 struct Document {
   std::string xml, appended;
@@ -87,12 +92,9 @@ struct Document {
 
   void fields(std::string_view element, const std::vector<VtuField>& all) {
     xml += fmt::format("      <{}>\n", element);
-    for (const VtuField& field : all) {
-      if (const auto* reals = std::get_if<std::vector<double>>(&field.values))
-        array(field.name, "Float64", field.components, bytes_of(*reals));
-      else
-        array(field.name, "Int32", field.components, bytes_of(std::get<std::vector<int>>(field.values)));
-    }
+    for (const VtuField& field : all)
+      array(field.name, type_of(field), field.components,
+            std::visit([](const auto& values) { return bytes_of(values); }, field.values));
     xml += fmt::format("      </{}>\n", element);
   }
 };
@@ -158,6 +160,27 @@ void write_vtu(const std::string& path, const VtuData& data) {
   file.write(document.appended);
   file.write("\n  </AppendedData>\n</VTKFile>\n");
   file.close();
+}
+
+void write_pvtu(const std::string& path, const VtuData& data, const std::vector<std::string>& pieces) {
+  std::string xml = fmt::format(
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\" "
+      "compressor=\"vtkZLibDataCompressor\">\n  <PUnstructuredGrid GhostLevel=\"0\">\n",
+      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian");
+  const auto fields = [&](std::string_view element, const std::vector<VtuField>& all) {
+    xml += fmt::format("    <P{}>\n", element);
+    for (const VtuField& field : all)
+      xml += fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", type_of(field),
+                         xml_escape(field.name), field.components);
+    xml += fmt::format("    </P{}>\n", element);
+  };
+  fields("PointData", data.point_fields);
+  fields("CellData", data.cell_fields);
+  xml += "    <PPoints>\n      <PDataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"/>\n    </PPoints>\n";
+  for (const std::string& piece : pieces) xml += fmt::format("    <Piece Source=\"{}\"/>\n", xml_escape(piece));
+  xml += "  </PUnstructuredGrid>\n</VTKFile>\n";
+  replace_file(path, xml);
 }
 
 PvdWriter::PvdWriter(std::string path) : path_(std::move(path)) {}

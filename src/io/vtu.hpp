@@ -2,6 +2,7 @@
 /// VTK unstructured grids (.vtu: appended, raw, zlib-compressed) and their time series (.pvd). See
 /// docs/adr/0001-vtk-writer.md.
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
@@ -16,15 +17,19 @@ enum VtkType : unsigned char {
   vtk_vertex = 1,
   vtk_triangle = 5,
   vtk_quad = 9,
+  vtk_tetra = 10,
+  vtk_hexahedron = 12,
   vtk_quadratic_triangle = 22,
-  vtk_quadratic_quad = 23
+  vtk_quadratic_quad = 23,
+  vtk_quadratic_tetra = 24,
+  vtk_quadratic_hexahedron = 25
 };
 
 /// Values of all points or all cells, one after the other: components of the first, components of the second, ...
 struct VtuField {
   std::string name;
   int components = 1;
-  std::variant<std::vector<double>, std::vector<int>> values;
+  std::variant<std::vector<double>, std::vector<int>, std::vector<std::int64_t>> values;
 };
 
 struct VtuData {
@@ -42,6 +47,10 @@ VtuData vertices(std::vector<Vec3> points);
 /// `data` do not fit each other.
 void write_vtu(const std::string& path, const VtuData& data);
 
+/// Writes the list of the pieces of a distributed grid (.pvtu) with the fields of `data`, which every piece has.
+/// pieces: paths relative to the folder of the file. Throws RunError.
+void write_pvtu(const std::string& path, const VtuData& data, const std::vector<std::string>& pieces);
+
 /// A time series of .vtu files. The .pvd is rewritten after every addition, so that a killed run leaves a valid one.
 class PvdWriter {
 public:
@@ -50,6 +59,10 @@ public:
   /// Adds a file (path relative to the folder of the .pvd) at that time; the entries are kept in the order of time.
   /// Throws RunError.
   void add(double time, const std::string& file);
+
+  /// Times and files so far, and those of an earlier part of the run.
+  const std::vector<std::pair<double, std::string>>& entries() const { return entries_; }
+  void restore(std::vector<std::pair<double, std::string>> entries) { entries_ = std::move(entries); }
 
 private:
   std::string path_;

@@ -24,21 +24,23 @@ struct LocalFit {
 /// Bins points, to find those near a place.
 class PointBins {
 public:
-  PointBins(const std::vector<Vec2>& x, double size);
+  /// dimension 2: z does not matter.
+  PointBins(const std::vector<Vec3>& x, double size, int dimension);
   /// Fit over the points within `radius` of `at` (at most the bin size), weighted by volume and a linear hat. A fit of
-  /// degree 2 does not flatten peaks; it needs 8 points that determine it. Too few points, or points in a line: the
-  /// next lower degree, at last the nearest point.
-  LocalFit fit(const Vec2& at, double radius, const std::vector<double>& volume, int degree = 1) const;
+  /// degree 2 does not flatten peaks; it needs 8 points (space: 14) that determine it. Too few points, or points in a
+  /// line or plane: the next lower degree, at last the nearest point.
+  LocalFit fit(const Vec3& at, double radius, const std::vector<double>& volume, int degree = 1) const;
 
 private:
-  template <int degree>
-  bool solve(const Vec2& at, double radius, LocalFit& fit) const;
-  int bin(const Vec2& x, int dx, int dy) const;
+  template <int dimension, int degree>
+  bool solve(const Vec3& at, double radius, LocalFit& fit) const;
+  int bin(const Vec3& x, int dx, int dy, int dz) const;
 
-  const std::vector<Vec2>& x_;
-  Vec2 origin_;
+  const std::vector<Vec3>& x_;
+  int dimension_;
+  Vec3 origin_;
   double size_;
-  int nx_ = 1, ny_ = 1;
+  int n_[3] = {1, 1, 1};
   std::vector<int> first_, list_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "fem/fem.hpp"
 #include "mesh/region.hpp"
 #include "transfer/mpm.hpp"
@@ -12,20 +13,11 @@
 namespace berm {
 namespace {
 
-const char* unit_of(Quantity q) {
-  switch (q) {
-    case Quantity::stress_xx:
-    case Quantity::stress_yy:
-    case Quantity::stress_zz:
-    case Quantity::stress_xy:
-      return "Pa";
-    case Quantity::displacement_x:
-    case Quantity::displacement_y:
-      return "m";
-    default:
-      return "-";
-  }
-}
+bool is_stress(Quantity q) { return q <= Quantity::stress_zx; }
+bool is_strain(Quantity q) { return q > Quantity::stress_zx && q <= Quantity::strain_zx; }
+bool is_displacement(Quantity q) { return q >= Quantity::displacement_x && q <= Quantity::displacement_z; }
+
+const char* unit_of(Quantity q) { return is_stress(q) ? "Pa" : is_displacement(q) ? "m" : "-"; }
 
 template <class T>
 int index_of(const std::vector<T>& list, const std::string& name) {
@@ -35,17 +27,15 @@ int index_of(const std::vector<T>& list, const std::string& name) {
 }
 
 unsigned char vtk_type(CellKind kind) {
-  switch (kind) {
-    case CellKind::tri3:
-      return vtk_triangle;
-    case CellKind::quad4:
-      return vtk_quad;
-    case CellKind::tri6:
-      return vtk_quadratic_triangle;
-    default:
-      return vtk_quadratic_quad;
-  }
+  constexpr unsigned char types[] = {vtk_triangle, vtk_quad,       vtk_quadratic_triangle, vtk_quadratic_quad,
+                                     vtk_tetra,    vtk_hexahedron, vtk_quadratic_tetra,    vtk_quadratic_hexahedron};
+  return types[static_cast<int>(kind)];
 }
+
+Vec3 motion_of(const NodeBoundary& b) { return {b.u[0].value_or(0.0), b.u[1].value_or(0.0), b.u[2].value_or(0.0)}; }
+
+/// Positions in the standard columns of the history (io/history.cpp).
+constexpr int displacement_column = 2, load_column = 3;
 
 }  // namespace
 
@@ -53,18 +43,55 @@ Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::f
     : world_(world),
       step_(step),
       folder_(folder),
-      reference_(world.discretisation->point_positions()),
+      dimension_(world.spec.dimension()),
+      n_points_(world.n_points()),
       points_pvd_((folder / "points.pvd").string()),
       mesh_pvd_((folder / "mesh.pvd").string()) {
-  const double h = world.discretisation->cell_size();
-  const PointBins bins(reference_, 1.5 * h);
-  for (const Probe& p : world.spec.output.probes)
-    // A quadratic fit keeps peaks; damage is too rough for one.
-    probes_.push_back(
-        {p, bins.fit(p.at, 1.5 * h, world.discretisation->material.volume, p.quantity == Quantity::damage ? 1 : 2)});
-  history_ = std::make_unique<HistoryWriter>((folder / "history.csv").string(), columns());
-  write_row({}, world.spec.solver.integration);
+  fit_probes();
+  const std::vector<std::string> names = columns();
+  n_columns_ = static_cast<int>(names.size());
+  if (world.comm.is_root()) history_ = std::make_unique<HistoryWriter>((folder / "history.csv").string(), names);
+}
+
+void Recorder::start() {
+  write_row({}, world_.spec.solver.integration);
   write_frame(take_frame());
+}
+
+/// Weights by the places where the points were at the start. All processes know those near a probe.
+void Recorder::fit_probes() {
+  const Discretisation& d = *world_.discretisation;
+  const double h = d.cell_size(), reach = 3.0 * h;
+  const std::vector<Vec3> origins = d.point_origins();
+  std::vector<double> near;
+  for (std::size_t p = 0; p < origins.size(); ++p)
+    for (const Probe& probe : world_.spec.output.probes)
+      if ((origins[p] - probe.at).norm() < reach) {
+        const Vec3& x = origins[p];
+        near.insert(near.end(), {double(d.point_ids()[p]), x.x(), x.y(), x.z(), d.material.volume[p]});
+        break;
+      }
+  near = world_.comm.all_gather(near);
+  // In the order of the ids: the same on any number of processes.
+  std::vector<std::size_t> order(near.size() / 5);
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = 5 * k;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return near[a] < near[b]; });
+  std::vector<std::int64_t> ids;
+  std::vector<Vec3> x;
+  std::vector<double> volume;
+  for (std::size_t at : order) {
+    ids.push_back(static_cast<std::int64_t>(near[at]));
+    x.emplace_back(near[at + 1], near[at + 2], near[at + 3]);
+    volume.push_back(near[at + 4]);
+  }
+  const PointBins bins(x, 1.5 * h, dimension_);
+  for (const Probe& p : world_.spec.output.probes) {
+    // A quadratic fit keeps peaks; damage is too rough for one.
+    const LocalFit fit = bins.fit(p.at, 1.5 * h, volume, p.quantity == Quantity::damage ? 1 : 2);
+    NamedProbe probe{p, {}};
+    for (std::size_t k = 0; k < fit.point.size(); ++k) probe.weight_of_point.emplace_back(ids[fit.point[k]], fit.weight[k]);
+    probes_.push_back(std::move(probe));
+  }
 }
 
 std::vector<std::string> Recorder::columns() const {
@@ -73,8 +100,7 @@ std::vector<std::string> Recorder::columns() const {
   for (const NamedProbe& p : probes_)
     names.push_back(fmt::format("probe:{} [{}]", p.spec.name, unit_of(p.spec.quantity)));
   auto reaction = [&](const std::string& name) {
-    names.push_back("reaction_x:" + name + " [N]");
-    names.push_back("reaction_y:" + name + " [N]");
+    for (const char* axis = axes(); *axis; ++axis) names.push_back(fmt::format("reaction_{}:{} [N]", *axis, name));
   };
   for (const Body& b : world_.spec.bodies)
     if (b.rigid) reaction(b.name);
@@ -82,13 +108,13 @@ std::vector<std::string> Recorder::columns() const {
   return names;
 }
 
-Vec2 Recorder::nominal_force() const {
+Vec3 Recorder::nominal_force() const {
   const Case& c = world_.spec;
   const std::string& name = c.output.nominal.load;
-  if (const int b = index_of(c.bodies, name); b >= 0) return step_.balance().rigid_force[b];
-  if (const int b = index_of(c.boundaries, name); b >= 0) return step_.balance().boundary_force[b];
+  if (const int b = index_of(c.bodies, name); b >= 0) return step_.balance().reactions.rigid[b];
+  if (const int b = index_of(c.boundaries, name); b >= 0) return step_.balance().reactions.boundary[b];
   if (const int b = index_of(c.pressures, name); b >= 0) return step_.balance().pressure_force[b];
-  return Vec2::Zero();
+  return Vec3::Zero();
 }
 
 double Recorder::nominal_displacement() const {
@@ -97,76 +123,100 @@ double Recorder::nominal_displacement() const {
   if (const int b = index_of(c.bodies, n.displacement); b >= 0)
     return c.bodies[b].displacement.dot(n.direction) * world_.time;
   if (const int b = index_of(c.boundaries, n.displacement); b >= 0)
-    return Vec2(c.boundaries[b].ux.value_or(0.0), c.boundaries[b].uy.value_or(0.0)).dot(n.direction) * world_.time;
+    return motion_of(c.boundaries[b]).dot(n.direction) * world_.time;
   if (const int g = index_of(world_.boundary->gauges(), n.displacement); g >= 0)
     return world_.boundary->gauges()[g].elongation();
   return 0.0;
 }
 
-double Recorder::probe_value(const NamedProbe& probe) const {
-  const MaterialState& m = world_.discretisation->material;
-  switch (probe.spec.quantity) {
-    case Quantity::stress_xx:
-      return probe.fit.apply([&](int p) { return m.stress[p][XX]; });
-    case Quantity::stress_yy:
-      return probe.fit.apply([&](int p) { return m.stress[p][YY]; });
-    case Quantity::stress_zz:
-      return probe.fit.apply([&](int p) { return m.stress[p][ZZ]; });
-    case Quantity::stress_xy:
-      return probe.fit.apply([&](int p) { return m.stress[p][XY]; });
-    case Quantity::strain_xx:
-      return probe.fit.apply([&](int p) { return m.strain[p][XX]; });
-    case Quantity::strain_yy:
-      return probe.fit.apply([&](int p) { return m.strain[p][YY]; });
-    case Quantity::strain_xy:
-      return probe.fit.apply([&](int p) { return 0.5 * m.strain[p][XY]; });
-    case Quantity::damage:
-      return probe.fit.apply([&](int p) { return m.damage[p]; });
-    case Quantity::displacement_x:
-    case Quantity::displacement_y: {
-      const std::vector<Vec2> u = world_.discretisation->point_displacements();
-      const int c = probe.spec.quantity == Quantity::displacement_x ? 0 : 1;
-      return probe.fit.apply([&](int p) { return u[p][c]; });
+std::vector<double> Recorder::probe_values() const {
+  std::vector<double> values(probes_.size(), 0.0);
+  if (probes_.empty()) return values;
+  const Discretisation& d = *world_.discretisation;
+  const MaterialState& m = d.material;
+  std::vector<Vec3> u;
+  if (std::any_of(probes_.begin(), probes_.end(), [](const NamedProbe& p) { return is_displacement(p.spec.quantity); }))
+    u = d.point_displacements();
+  const auto value_at = [&](Quantity q, int p) {
+    const int k = static_cast<int>(q);
+    if (is_stress(q)) return m.stress[p][k];
+    if (is_strain(q)) {
+      const int c = k - static_cast<int>(Quantity::strain_xx);
+      return (c < 3 ? 1.0 : 0.5) * m.strain[p][c];
     }
-  }
-  return 0.0;
+    if (is_displacement(q)) return u[p][k - static_cast<int>(Quantity::displacement_x)];
+    return m.damage[p];
+  };
+  const std::vector<std::int64_t>& ids = d.point_ids();
+  for (std::size_t k = 0; k < probes_.size(); ++k)
+    for (const auto& [id, weight] : probes_[k].weight_of_point)
+      for (const Slice& slice : m.slices) {  // ids ascend within a slice
+        const auto end = ids.begin() + slice.end;
+        const auto found = std::lower_bound(ids.begin() + slice.begin, end, id);
+        if (found != end && *found == id)
+          values[k] += weight * value_at(probes_[k].spec.quantity, static_cast<int>(found - ids.begin()));
+      }
+  world_.comm.sum(values);
+  return values;
 }
 
-/// N = RMS(stress - smooth stress) / max |stress|, smooth = linear fit over three cells, in-plane components.
+/// N = RMS(stress - smooth stress) / max |stress|, smooth = linear fit over three cells, components in the plane or all.
+/// Process 0 looks at the points of all.
 double Recorder::stress_noise() const {
-  const MaterialState& m = world_.discretisation->material;
-  const double radius = 1.5 * world_.discretisation->cell_size();
-  const PointBins bins(reference_, radius);
+  const Discretisation& d = *world_.discretisation;
+  constexpr int width = 10;
+  std::vector<double> mine;
+  const std::vector<Vec3> origins = d.point_origins();
+  for (std::size_t p = 0; p < origins.size(); ++p) {
+    mine.insert(mine.end(), origins[p].data(), origins[p].data() + 3);
+    mine.push_back(d.material.volume[p]);
+    mine.insert(mine.end(), d.material.stress[p].data(), d.material.stress[p].data() + 6);
+  }
+  const std::vector<double> all = world_.comm.gather(mine);
+  if (!world_.comm.is_root()) return 0.0;
+  const std::size_t n = all.size() / width;
+  std::vector<Vec3> x;
+  std::vector<double> volume;
+  for (std::size_t p = 0; p < n; ++p) {
+    x.emplace_back(all[width * p], all[width * p + 1], all[width * p + 2]);
+    volume.push_back(all[width * p + 3]);
+  }
+  const double radius = 1.5 * d.cell_size();
+  const PointBins bins(x, radius, dimension_);
   double sum = 0.0, largest = 0.0;
-  for (int p = 0; p < m.size(); ++p) {
-    const LocalFit fit = bins.fit(reference_[p], radius, m.volume);
+  for (std::size_t p = 0; p < n; ++p) {
+    const LocalFit fit = bins.fit(x[p], radius, volume);
     double difference = 0.0, size = 0.0;
-    for (int c : {XX, YY, XY}) {
-      const double weight = c == XY ? 2.0 : 1.0;
-      const double smooth = fit.apply([&](int q) { return m.stress[q][c]; });
-      difference += weight * (m.stress[p][c] - smooth) * (m.stress[p][c] - smooth);
-      size += weight * m.stress[p][c] * m.stress[p][c];
+    for (int c : {XX, YY, ZZ, XY, YZ, ZX}) {
+      if (dimension_ == 2 && c != XX && c != YY && c != XY) continue;
+      const double weight = c >= XY ? 2.0 : 1.0;
+      const double smooth = fit.apply([&](int q) { return all[width * q + 4 + c]; });
+      const double here = all[width * p + 4 + c];
+      difference += weight * (here - smooth) * (here - smooth);
+      size += weight * here * here;
     }
     sum += difference;
     largest = std::max(largest, size);
   }
-  return largest > 0.0 ? std::sqrt(sum / m.size() / largest) : 0.0;
+  return largest > 0.0 ? std::sqrt(sum / n / largest) : 0.0;
 }
 
-/// |W_ext - W_el - W_diss| / largest W_ext.
-double Recorder::energy_error() const {
-  const MaterialState& m = world_.discretisation->material;
+double Recorder::stored_energy() const { return world_.comm.sum(world_.discretisation->material.stored_energy()); }
+double Recorder::dissipated_energy() const {
+  return world_.comm.sum(world_.discretisation->material.dissipated_energy());
+}
+
+/// |W_ext - W_el - W_diss| / |W_ext|.
+double Recorder::energy_error(double stored, double dissipated) const {
   const double work = step_.balance().external_work;
-  if (work == 0.0) return 0.0;
-  return std::abs(work - m.stored_energy() - m.dissipated_energy()) / std::abs(work);
+  return work == 0.0 ? 0.0 : std::abs(work - stored - dissipated) / std::abs(work);
 }
 
 void Recorder::write_row(const StepResult& result, Integration integration) {
-  const MaterialState& m = world_.discretisation->material;
   const Nominal& n = world_.spec.output.nominal;
   const double load = nominal_force().dot(n.direction), displacement = nominal_displacement();
+  const double stored = stored_energy(), dissipated = dissipated_energy();
   row_load_ = load;
-  curve_.push_back({displacement, load});
   std::vector<double> row = {double(steps_),
                              world_.time,
                              displacement,
@@ -174,30 +224,38 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
                              load / n.area,
                              displacement / n.length,
                              world_.load_factor,
-                             m.max_damage(),
+                             world_.comm.max(world_.discretisation->material.max_damage()),
                              step_.balance().external_work,
-                             m.stored_energy(),
-                             m.dissipated_energy(),
-                             energy_error(),
+                             stored,
+                             dissipated,
+                             energy_error(stored, dissipated),
                              double(result.iterations),
                              result.residual,
                              result.extrapolation_error,
                              double(static_cast<int>(integration))};
   for (const GaugeLine& g : world_.boundary->gauges()) row.push_back(g.elongation());
-  for (const NamedProbe& p : probes_) row.push_back(probe_value(p));
+  const std::vector<double> probes = probe_values();
+  row.insert(row.end(), probes.begin(), probes.end());
+  const Reactions& reactions = step_.balance().reactions;
   for (std::size_t b = 0; b < world_.spec.bodies.size(); ++b)
     if (world_.spec.bodies[b].rigid)
-      for (int c : {0, 1}) row.push_back(step_.balance().rigid_force[b][c]);
-  for (const Vec2& force : step_.balance().boundary_force)
-    for (int c : {0, 1}) row.push_back(force[c]);
-  history_->append(row);
+      row.insert(row.end(), reactions.rigid[b].data(), reactions.rigid[b].data() + dimension_);
+  for (const Vec3& force : reactions.boundary) row.insert(row.end(), force.data(), force.data() + dimension_);
+  append(row);
+}
+
+void Recorder::append(const std::vector<double>& row) {
+  rows_.insert(rows_.end(), row.begin(), row.end());
+  if (history_) history_->append(row);
 }
 
 void Recorder::record(const StepResult& result, Integration integration) {
   ++steps_;
   newton_iterations_ += result.iterations;
   write_row(result, integration);
-  if (noise_.empty() || std::abs(row_load_) > 1.1 * noise_.back().first)
+  // In space the metric costs as much as a step: a look at it for every third more of load.
+  const double growth = dimension_ == 3 ? 1.33 : 1.1;
+  if (noise_.empty() || std::abs(row_load_) > growth * noise_.back().first)
     noise_.emplace_back(std::abs(row_load_), stress_noise());
   const Output& o = world_.spec.output;
   const bool due = o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12;
@@ -216,14 +274,33 @@ void Recorder::follow_peak() {
   }
 }
 
-Recorder::Frame Recorder::take_frame() const { return {world_.time, row_load_, points_data(), mesh_data()}; }
+Recorder::Frame Recorder::take_frame() const { return {world_.time, points_data(), mesh_data()}; }
+
+/// One file, or one a process and the list of them; returns the name of what a .pvd should name.
+std::string Recorder::write_pieces(const std::string& kind, const VtuData& data) const {
+  const Comm& comm = world_.comm;
+  const std::string name = fmt::format("{}_{:04d}", kind, frame_);
+  if (comm.size() == 1) {
+    write_vtu((folder_ / (name + ".vtu")).string(), data);
+    return name + ".vtu";
+  }
+  comm.agree([&] {
+    write_vtu((folder_ / fmt::format("{}_{}.vtu", name, comm.rank())).string(), data);
+    if (!comm.is_root()) return;
+    std::vector<std::string> pieces;
+    for (int r = 0; r < comm.size(); ++r) pieces.push_back(fmt::format("{}_{}.vtu", name, r));
+    write_pvtu((folder_ / (name + ".pvtu")).string(), data, pieces);
+  });
+  return name + ".pvtu";
+}
 
 void Recorder::write_frame(const Frame& frame) {
-  const std::string points = fmt::format("points_{:04d}.vtu", frame_), mesh = fmt::format("mesh_{:04d}.vtu", frame_);
-  write_vtu((folder_ / points).string(), frame.points);
-  write_vtu((folder_ / mesh).string(), frame.mesh);
-  points_pvd_.add(frame.time, points);
-  mesh_pvd_.add(frame.time, mesh);
+  const std::string points = write_pieces("points", frame.points), mesh = write_pieces("mesh", frame.mesh);
+  world_.comm.agree([&] {
+    if (!world_.comm.is_root()) return;
+    points_pvd_.add(frame.time, points);
+    mesh_pvd_.add(frame.time, mesh);
+  });
   ++frame_;
   if (frame.time < world_.time) return;
   last_frame_step_ = steps_;
@@ -234,18 +311,14 @@ void Recorder::write_frame(const Frame& frame) {
 VtuData Recorder::points_data() const {
   const Discretisation& d = *world_.discretisation;
   const MaterialState& m = d.material;
-  const std::vector<Vec2> x = d.point_positions(), u = d.point_displacements();
+  const std::vector<Vec3> u = d.point_displacements();
   const int n = m.size();
-  VtuData data;
+  VtuData data = vertices(d.point_positions());
   std::vector<double> displacement, stress, strain;
   std::vector<int> body(n, 0);
   for (const Slice& slice : m.slices) std::fill(body.begin() + slice.begin, body.begin() + slice.end, slice.body);
   for (int p = 0; p < n; ++p) {
-    data.points.emplace_back(x[p].x(), x[p].y(), 0.0);
-    data.connectivity.push_back(p);
-    data.offsets.push_back(p + 1);
-    data.types.push_back(vtk_vertex);
-    displacement.insert(displacement.end(), {u[p].x(), u[p].y(), 0.0});
+    displacement.insert(displacement.end(), u[p].data(), u[p].data() + 3);
     for (int c = 0; c < 6; ++c) {
       stress.push_back(m.stress[p][c]);
       strain.push_back(c < 3 ? m.strain[p][c] : 0.5 * m.strain[p][c]);
@@ -258,55 +331,56 @@ VtuData Recorder::points_data() const {
                        {"volume", 1, m.volume},
                        {"body", 1, body},
                        {"crack_opening", 1, m.crack_opening()},
-                       {"released_energy_fraction", 1, m.released_energy_fraction()}};
+                       {"released_energy_fraction", 1, m.released_energy_fraction()},
+                       {"id", 1, d.point_ids()}};
   return data;
 }
 
 VtuData Recorder::mesh_data() const {
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const auto* fem = dynamic_cast<const FemDiscretisation*>(world_.discretisation.get());
-  const MaterialState& m = world_.discretisation->material;
-  const Mesh& mesh = mpm ? mpm->grid().mesh : fem->mesh();
-  const int n_cells = mpm ? static_cast<int>(mpm->active_cells().size()) : mesh.n_cells();
+  const Discretisation& d = *world_.discretisation;
+  const MaterialState& m = d.material;
+  const Mesh& mesh = d.mesh();
+  const std::vector<int>& cells = mpm ? mpm->active_cells() : fem->elements();
 
   VtuData data;
   std::vector<double> displacement, fill, stress, damage;
-  std::vector<int> body, number(mesh.nodes.size(), -1);
-  for (int k = 0; k < n_cells; ++k) {
-    const int cell = mpm ? mpm->active_cells()[k] : k;
-    for (int i = 0; i < nodes_of(mesh.kinds[cell]); ++i) {
-      const int node = mesh.cell(cell)[i];
+  std::vector<int> body, number(d.n_nodes(), -1);
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const int cell = cells[k];
+    for (const int node : d.blocks[static_cast<int>(k)]) {
       if (number[node] < 0) {
         number[node] = static_cast<int>(data.points.size());
-        const Vec2 u = fem ? fem->displacement()[node] : Vec2::Zero();
-        data.points.emplace_back(mesh.nodes[node].x() + u.x(), mesh.nodes[node].y() + u.y(), 0.0);
-        displacement.insert(displacement.end(), {u.x(), u.y(), 0.0});
+        const Vec3 u = fem ? fem->displacement()[node] : Vec3::Zero();
+        data.points.push_back(d.nodes[node] + u);
+        displacement.insert(displacement.end(), u.data(), u.data() + 3);
       }
       data.connectivity.push_back(number[node]);
     }
     data.offsets.push_back(static_cast<int>(data.connectivity.size()));
     data.types.push_back(vtk_type(mesh.kinds[cell]));
-    double volume = 0.0, d = 0.0;
+    double volume = 0.0, sum = 0.0;
     Voigt s = Voigt::Zero();
     auto add = [&](int p) {
       volume += m.volume[p];
-      d += m.volume[p] * m.damage[p];
+      sum += m.volume[p] * m.damage[p];
       s += m.volume[p] * m.stress[p];
     };
     if (mpm)
-      for (int p : mpm->points_in(k)) add(p);
+      for (int p : mpm->points_in(static_cast<int>(k))) add(p);
     else
       for (int p = fem->first_point()[k]; p < fem->first_point()[k + 1]; ++p) add(p);
     if (volume > 0.0) {
-      d /= volume;
+      sum /= volume;
       s /= volume;
     }
-    damage.push_back(d);
+    damage.push_back(sum);
     stress.insert(stress.end(), s.data(), s.data() + 6);
     if (mpm)
-      fill.push_back(mpm->fill(k));
+      fill.push_back(mpm->fill(static_cast<int>(k)));
     else
-      body.push_back(fem->body_of_element(k));
+      body.push_back(fem->body_of_element(cell));
   }
   data.cell_fields = {{"stress", 6, stress}, {"damage", 1, damage}};
   if (mpm)
@@ -315,22 +389,30 @@ VtuData Recorder::mesh_data() const {
     data.cell_fields.push_back({"body", 1, body});
     data.point_fields.push_back({"displacement", 3, displacement});
   }
+  if (world_.comm.size() > 1)
+    data.cell_fields.push_back({"rank", 1, std::vector<int>(cells.size(), world_.comm.rank())});
   return data;
 }
 
 std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   const Nominal& n = world_.spec.output.nominal;
+  struct Point {
+    double displacement, load;
+  };
+  std::vector<Point> curve;
+  for (std::size_t k = 0; k < rows_.size(); k += n_columns_)
+    curve.push_back({rows_[k + displacement_column], rows_[k + load_column]});
   std::size_t peak = 0;
-  for (std::size_t k = 0; k < curve_.size(); ++k)
-    if (curve_[k].load > curve_[peak].load) peak = k;
-  const double load = curve_[peak].load;
+  for (std::size_t k = 0; k < curve.size(); ++k)
+    if (curve[k].load > curve[peak].load) peak = k;
+  const double load = curve[peak].load;
 
   // Stiffness: least squares over the rising branch between 10 and 40 % of the peak; the two ends bracket it if the
   // steps are too large to fall inside.
   auto at_load = [&](double wanted) {
     for (std::size_t k = 1; k <= peak; ++k)
-      if (curve_[k].load >= wanted) {
-        const Point &a = curve_[k - 1], &b = curve_[k];
+      if (curve[k].load >= wanted) {
+        const Point &a = curve[k - 1], &b = curve[k];
         return a.displacement + (b.displacement - a.displacement) * (wanted - a.load) / (b.load - a.load);
       }
     return std::nan("");
@@ -344,18 +426,18 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       best = std::abs(at - 0.5 * load);
       noise = value;
     }
-  const MaterialState& m = world_.discretisation->material;
+  const double stored = stored_energy(), dissipated = dissipated_energy();
   return {{"peak_load [N]", load},
           {"peak_stress [Pa]", load / n.area},
-          {"displacement_at_peak [m]", curve_[peak].displacement},
+          {"displacement_at_peak [m]", curve[peak].displacement},
           {"stiffness_10_40 [Pa]", stiffness},
           {"stress_noise [-]", noise},
-          {"energy_error [-]", energy_error()},
-          {"dissipated_energy [J]", m.dissipated_energy()},
-          {"max_damage [-]", m.max_damage()},
+          {"energy_error [-]", energy_error(stored, dissipated)},
+          {"dissipated_energy [J]", dissipated},
+          {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
           {"cut_steps [-]", double(cut_steps_)},
           {"newton_iterations [-]", double(newton_iterations_)},
-          {"points_lost [-]", double(reference_.size()) - m.size()}};
+          {"points_lost [-]", double(n_points_ - world_.n_points())}};
 }
 
 void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {
@@ -367,17 +449,85 @@ void Recorder::finish(const std::string& status, const std::string& reason, doub
   s.status = status;
   s.reason = reason;
   s.dofs = step_.unknowns();
-  s.points = world_.discretisation->material.size();
+  s.points = world_.n_points();
   s.steps = steps_;
   s.cut_steps = cut_steps_;
   s.newton_iterations = newton_iterations_;
   s.wall_seconds = wall_seconds;
   s.thickness = world_.spec.thickness;
-  for (const Body& b : world_.spec.bodies)
-    if (b.shape) s.body_rings[b.name] = Region(*b.shape).rings();
+  s.dimension = dimension_;
+  s.axisymmetric = world_.spec.space == Space::axisymmetric;
+  s.processes = world_.comm.size();
   s.references = world_.spec.output.references;
   s.metrics = metrics();
-  write_summary((folder_ / "summary.json").string(), s);
+  world_.comm.agree([&] {
+    if (!world_.comm.is_root()) return;
+    write_surfaces(s);
+    write_summary((folder_ / "summary.json").string(), s);
+  });
+}
+
+/// Outlines in the plane; in space one file of triangles a body.
+void Recorder::write_surfaces(Summary& summary) const {
+  for (const Body& b : world_.spec.bodies) {
+    if (!b.shape) continue;
+    const Region region(*b.shape, world_.discretisation->cell_size());
+    if (region.plane()) {
+      summary.body_rings[b.name] = region.plane()->rings();
+      continue;
+    }
+    const TriangleSurface& surface = region.solid()->surface();
+    VtuData data;
+    data.points = surface.vertices;
+    for (const auto& triangle : surface.triangles) {
+      data.connectivity.insert(data.connectivity.end(), triangle.begin(), triangle.end());
+      data.offsets.push_back(static_cast<int>(data.connectivity.size()));
+      data.types.push_back(vtk_triangle);
+    }
+    summary.body_surfaces[b.name] = "surface_" + b.name + ".vtu";
+    write_vtu((folder_ / summary.body_surfaces[b.name]).string(), data);
+  }
+}
+
+RecorderState Recorder::state() const {
+  RecorderState s;
+  s.rows = rows_;
+  s.columns = n_columns_;
+  s.steps = steps_;
+  s.cut_steps = cut_steps_;
+  s.frame = frame_;
+  s.newton_iterations = newton_iterations_;
+  s.next_frame = next_frame_;
+  s.highest = highest_;
+  s.peak_pending = peak_.has_value();
+  for (const auto& [load, noise] : noise_) s.noise.insert(s.noise.end(), {load, noise});
+  s.frames = points_pvd_.entries();
+  return s;
+}
+
+void Recorder::resume(const RecorderState& s) {
+  if (s.columns != n_columns_)
+    throw InputError(
+        fmt::format("the checkpoint has a history of {} columns, this case one of {}: gauges, probes, bodies and "
+                    "boundaries must be those of the run that is to go on",
+                    s.columns, n_columns_));
+  for (std::size_t k = 0; k < s.rows.size(); k += n_columns_)
+    append({s.rows.begin() + static_cast<std::ptrdiff_t>(k), s.rows.begin() + static_cast<std::ptrdiff_t>(k) + n_columns_});
+  row_load_ = rows_[rows_.size() - n_columns_ + load_column];
+  steps_ = s.steps;
+  cut_steps_ = s.cut_steps;
+  frame_ = s.frame;
+  newton_iterations_ = s.newton_iterations;
+  next_frame_ = s.next_frame;
+  highest_ = s.highest;
+  for (std::size_t k = 0; k < s.noise.size(); k += 2) noise_.emplace_back(s.noise[k], s.noise[k + 1]);
+  auto of_mesh = s.frames;
+  for (auto& [time, file] : of_mesh) file.replace(0, std::string("points").size(), "mesh");
+  points_pvd_.restore(s.frames);
+  mesh_pvd_.restore(of_mesh);
+  if (!s.peak_pending) return;
+  highest_ = row_load_;  // the state kept for the peak's frame is lost: the present one stands in
+  peak_ = take_frame();
 }
 
 }  // namespace berm

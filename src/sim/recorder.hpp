@@ -1,5 +1,8 @@
 #pragma once
 /// What a run leaves behind: history rows, VTK frames, peak values and metrics (docs/output.md).
+///
+/// Every process has one. History, lists of frames and the summary come from process 0; every process writes its piece of
+/// a frame. All functions but those marked const are collective, and so is metrics().
 
 #include <filesystem>
 #include <memory>
@@ -13,9 +16,26 @@
 
 namespace berm {
 
+/// What has to outlive the process for a run to go on.
+struct RecorderState {
+  std::vector<double> rows;  ///< of the history so far
+  int columns = 0, steps = 0, cut_steps = 0, frame = 0;
+  long newton_iterations = 0;
+  double next_frame = 0.0, highest = 0.0;
+  bool peak_pending = false;
+  std::vector<double> noise;                                ///< load, noise, load, ...
+  std::vector<std::pair<double, std::string>> frames;  ///< entries of points.pvd
+};
+
 class Recorder {
 public:
   Recorder(const World& world, const QuasiStaticStep& step, const std::filesystem::path& folder);
+
+  /// The unloaded state: first row, first frame.
+  void start();
+  /// In place of start(): goes on after a saved state, which world and step already have.
+  void resume(const RecorderState& state);
+  RecorderState state() const;
 
   /// After every accepted step.
   void record(const StepResult& result, Integration integration);
@@ -30,31 +50,39 @@ public:
 private:
   struct NamedProbe {
     Probe spec;
-    LocalFit fit;
+    std::vector<std::pair<std::int64_t, double>> weight_of_point;  ///< by point id
   };
+  void fit_probes();
   /// Nominal load and displacement of the present state.
-  Vec2 nominal_force() const;
+  Vec3 nominal_force() const;
   double nominal_displacement() const;
-  double probe_value(const NamedProbe& probe) const;
+  std::vector<double> probe_values() const;
   double stress_noise() const;
-  double energy_error() const;
+  double stored_energy() const;
+  double dissipated_energy() const;
+  double energy_error(double stored, double dissipated) const;
   void write_row(const StepResult& result, Integration integration);
+  void append(const std::vector<double>& row);
   /// The state as VTK data, taken now and written now or later.
   struct Frame {
-    double time = 0.0, load = 0.0;
+    double time = 0.0;
     VtuData points, mesh;
   };
   Frame take_frame() const;
   VtuData points_data() const;
   VtuData mesh_data() const;
   void write_frame(const Frame& frame);
+  std::string write_pieces(const std::string& kind, const VtuData& data) const;
+  void write_surfaces(Summary& summary) const;
   void follow_peak();
   std::vector<std::string> columns() const;
+  const char* axes() const { return dimension_ == 3 ? "xyz" : "xy"; }
 
   const World& world_;
   const QuasiStaticStep& step_;
   std::filesystem::path folder_;
-  std::vector<Vec2> reference_;  ///< positions of the points at the start
+  int dimension_;
+  long n_points_ = 0;  ///< at the start
   std::vector<NamedProbe> probes_;
   std::unique_ptr<HistoryWriter> history_;
   PvdWriter points_pvd_, mesh_pvd_;
@@ -66,11 +94,9 @@ private:
   int steps_ = 0, cut_steps_ = 0;
   long newton_iterations_ = 0;
   double row_load_ = 0.0;
-  struct Point {
-    double displacement, load;
-  };
-  std::vector<Point> curve_;
-  std::vector<std::pair<double, double>> noise_;  ///< load, noise
+  int n_columns_ = 0;
+  std::vector<double> rows_;                      ///< all rows of the history
+  std::vector<std::pair<double, double>> noise_;  ///< load, noise (process 0)
 };
 
 }  // namespace berm

@@ -26,6 +26,10 @@ public:
   bool finished(double time) const { return time >= 1.0 - 1e-12; }
   bool can_cut() const { return dt_ > min_ * (1.0 + 1e-9); }
 
+  double size() const { return dt_; }
+  /// After a restart.
+  void restore(double dt) { dt_ = std::clamp(dt, min_, max_); }
+
   void cut() { dt_ = std::max(min_, 0.5 * dt_); }
 
   /// After an implicit step.

@@ -1,0 +1,179 @@
+#include "sim/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "comm/hdf5_file.hpp"
+
+namespace berm {
+namespace {
+
+std::string points_name(std::size_t slice) { return fmt::format("points/{}", slice); }
+
+std::vector<double> flat(const std::vector<Vec3>& list) {
+  std::vector<double> out;
+  for (const Vec3& v : list) out.insert(out.end(), v.data(), v.data() + 3);
+  return out;
+}
+
+std::vector<Vec3> vectors(const std::vector<double>& values) {
+  std::vector<Vec3> out;
+  for (std::size_t k = 0; k + 2 < values.size(); k += 3) out.emplace_back(values[k], values[k + 1], values[k + 2]);
+  return out;
+}
+
+/// What is the same on every process is written by the first.
+std::span<const double> from_root(const Comm& comm, const std::vector<double>& values) {
+  return comm.is_root() ? std::span<const double>(values) : std::span<const double>();
+}
+
+std::vector<double> read_all(const CheckpointFile& file, const std::string& name, int columns = 1) {
+  return file.read_rows<double>(name, 0, file.rows(name), columns);
+}
+
+/// The share of the rows that a process reads before they travel.
+template <class T>
+std::vector<T> read_share(const CheckpointFile& file, const Comm& comm, const std::string& name, int columns) {
+  const std::int64_t n = file.rows(name), first = n * comm.rank() / comm.size(),
+                     end = n * (comm.rank() + 1) / comm.size();
+  return file.read_rows<T>(name, first, end - first, columns);
+}
+
+void save_recorder(CheckpointFile& file, const Comm& comm, const RecorderState& s) {
+  file.write("recorder/rows", from_root(comm, s.rows));
+  file.write("recorder/noise", from_root(comm, s.noise));
+  std::vector<double> times;
+  std::string names;
+  for (const auto& [time, name] : s.frames) {
+    times.push_back(time);
+    names += name + "\n";
+  }
+  file.write("recorder/frame_times", from_root(comm, times));
+  file.write_text("recorder/frame_names", comm.broadcast(names));
+  file.write_number("recorder/columns", s.columns);
+  file.write_number("recorder/steps", s.steps);
+  file.write_number("recorder/cut_steps", s.cut_steps);
+  file.write_number("recorder/frame", s.frame);
+  file.write_number("recorder/newton_iterations", static_cast<double>(s.newton_iterations));
+  file.write_number("recorder/next_frame", s.next_frame);
+  file.write_number("recorder/highest", s.highest);
+  file.write_number("recorder/peak_pending", s.peak_pending ? 1.0 : 0.0);
+}
+
+RecorderState load_recorder(const CheckpointFile& file) {
+  RecorderState s;
+  s.rows = read_all(file, "recorder/rows");
+  s.noise = read_all(file, "recorder/noise");
+  const std::vector<double> times = read_all(file, "recorder/frame_times");
+  const std::string names = file.read_text("recorder/frame_names");
+  std::size_t begin = 0;
+  for (double time : times) {
+    const std::size_t end = names.find('\n', begin);
+    if (end == std::string::npos) break;
+    s.frames.emplace_back(time, names.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const auto whole = [&](const char* name) { return static_cast<int>(file.read_number(std::string("recorder/") + name)); };
+  s.columns = whole("columns");
+  s.steps = whole("steps");
+  s.cut_steps = whole("cut_steps");
+  s.frame = whole("frame");
+  s.newton_iterations = static_cast<long>(file.read_number("recorder/newton_iterations"));
+  s.next_frame = file.read_number("recorder/next_frame");
+  s.highest = file.read_number("recorder/highest");
+  s.peak_pending = file.read_number("recorder/peak_pending") != 0.0;
+  return s;
+}
+
+/// The numbers that a checkpoint of this case must have.
+void check_case(const CheckpointFile& file, const World& world, const std::string& path) {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(fmt::format("{}: written by another case: {} (go on with the case file that began the run)", path, what));
+  };
+  const auto expect = [&](const char* what, double there, double here) {
+    if (there != here) refuse(fmt::format("{} {} there, {} here", what, there, here));
+  };
+  const Case& c = world.spec;
+  const std::string method = c.method == Method::mpm ? "mpm" : "fem";
+  if (file.read_text("method") != method) refuse("its method is \"" + file.read_text("method") + "\"");
+  expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
+  expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
+  expect("boundaries:", file.read_number("boundaries"), static_cast<double>(c.boundaries.size()));
+  const Discretisation& d = *world.discretisation;
+  expect("deformable bodies:", file.read_number("slices"), static_cast<double>(d.material.slices.size()));
+  for (std::size_t s = 0; s < d.material.slices.size(); ++s) {
+    const Slice& slice = d.material.slices[s];
+    const long here = world.comm.sum(long(slice.end - slice.begin));
+    const std::string body = "points of body \"" + c.bodies[slice.body].name + "\":";
+    expect(body.c_str(), static_cast<double>(file.rows(points_name(s))), static_cast<double>(here));
+  }
+}
+
+}  // namespace
+
+void save_checkpoint(const std::string& path, const World& world, const QuasiStaticStep& step,
+                     const Recorder& recorder, const StepControl& control) {
+  const Discretisation& d = *world.discretisation;
+  const Comm& comm = world.comm;
+  CheckpointFile file = CheckpointFile::create(comm, path);
+  file.write_text("case", world.spec.resolved);
+  file.write_text("method", world.spec.method == Method::mpm ? "mpm" : "fem");
+  file.write_number("space", static_cast<int>(world.spec.space));
+  file.write_number("bodies", static_cast<double>(world.spec.bodies.size()));
+  file.write_number("boundaries", static_cast<double>(world.spec.boundaries.size()));
+  file.write_number("slices", static_cast<double>(d.material.slices.size()));
+
+  file.write_number("time", world.time);
+  file.write_number("load_factor", world.load_factor);
+  file.write_number("step_size", control.size());
+  const Balance& balance = step.balance();
+  file.write_number("external_work", balance.external_work);
+  file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
+  file.write("forces/boundary", from_root(comm, flat(balance.reactions.boundary)), 3);
+  file.write("forces/pressure", from_root(comm, flat(balance.pressure_force)), 3);
+
+  for (std::size_t s = 0; s < d.material.slices.size(); ++s)
+    file.write(points_name(s), std::span<const double>(d.point_rows(static_cast<int>(s))), d.row_width(static_cast<int>(s)));
+  const std::vector<Vec3> at_nodes = d.node_state();
+  const std::vector<double> values = flat(at_nodes);
+  file.write("nodes/id", std::span<const std::int64_t>(d.halo.ids.data(), at_nodes.size()));
+  file.write("nodes/state", std::span<const double>(values), 3);
+  for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind) {
+    const std::vector<double> rows = world.boundary->rows(kind);
+    file.write(fmt::format("anchors/{}", kind), std::span<const double>(rows), BoundaryConditions::row_width);
+  }
+  save_recorder(file, comm, recorder.state());
+  file.commit();
+}
+
+void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& step, Recorder& recorder,
+                     StepControl& control) {
+  Discretisation& d = *world.discretisation;
+  const Comm& comm = world.comm;
+  const CheckpointFile file = CheckpointFile::open(comm, path);
+  check_case(file, world, path);
+
+  world.time = file.read_number("time");
+  world.load_factor = file.read_number("load_factor");
+  control.restore(file.read_number("step_size"));
+  Balance balance;
+  balance.external_work = file.read_number("external_work");
+  balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
+  balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));
+  balance.pressure_force = vectors(read_all(file, "forces/pressure", 3));
+  step.restore(balance);
+
+  std::vector<std::vector<double>> rows;
+  for (std::size_t s = 0; s < d.material.slices.size(); ++s)
+    rows.push_back(read_share<double>(file, comm, points_name(s), d.row_width(static_cast<int>(s))));
+  d.restore_points(rows);
+  d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
+                  vectors(read_share<double>(file, comm, "nodes/state", 3)));
+  for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
+    world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width),
+                            world.time);
+  world.begin_step();
+  recorder.resume(load_recorder(file));
+}
+
+}  // namespace berm
