@@ -307,7 +307,7 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
 
     peak, last = frame_indices(runs)
     elastic = elastic_frames(runs)
-    shown = next((run, k) for run, k in zip(runs, elastic or last) if k is not None) if any(last) or elastic else None
+    shown = next(((run, k) for run, k in zip(runs, elastic or last) if k is not None), None)
     if not shown:
         return ""
     loading = loading_direction(*shown)

@@ -17,7 +17,8 @@ INSTALL = (
     "Pictures in space need pyvista in the Python that writes the report: `python3 -m venv --system-site-packages "
     "~/berm-python`, `~/berm-python/bin/pip install pyvista`, then set BERM_PYTHON=~/berm-python/bin/python."
 )
-EGL = "vtkEGLRenderWindow"  # draws without a display
+WINDOWS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow")  # what VTK can draw with without a display
+CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"
 PROBE = (
     "import pyvista; plotter = pyvista.Plotter(off_screen=True, window_size=(40, 40)); "
     "plotter.add_mesh(pyvista.Sphere()); "
@@ -27,35 +28,34 @@ AZIMUTH, ELEVATION = math.radians(-52.0), math.radians(20.0)
 INK, GREY = "#333333", "#9a9a9a"
 
 
-def _environment():
-    """Without a display VTK may as well not look for one: the warnings would be all that the user sees."""
-    if not os.environ.get("DISPLAY"):
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", EGL)
-
-
 @functools.lru_cache(maxsize=1)
 def why_not():
     """"" where pictures in space can be drawn, else a sentence that says what is missing.
 
-    Tried in a process of its own: without a graphics library VTK ends the process, with no exception to catch.
+    Tried in processes of their own: without a graphics library VTK ends the process, with no exception to catch. What
+    works is left in the environment for VTK in this one.
     """
     try:
         import pyvista  # noqa: F401
     except ImportError:
         return INSTALL
-    _environment()
-    try:
-        probe = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, timeout=120, check=False)
-        works = probe.returncode == 0
-    except (OSError, subprocess.TimeoutExpired):
-        works = False
+    choices = WINDOWS
+    if os.environ.get(CHOICE) or os.environ.get("DISPLAY"):
+        choices = (os.environ.get(CHOICE, ""), *WINDOWS)  # "": as VTK likes
+    for choice in choices:
+        environment = {**os.environ, CHOICE: choice} if choice else dict(os.environ)
+        try:
+            done = subprocess.run(
+                [sys.executable, "-c", PROBE], capture_output=True, timeout=120, check=False, env=environment
+            )
+        except (OSError, subprocess.TimeoutExpired):
+            continue
+        if done.returncode == 0:
+            os.environ.update(environment)
+            return ""
     return (
-        ""
-        if works
-        else (
-            "pyvista is installed, but cannot draw without a display here: install libegl1 and libgl1-mesa-dri, or run "
-            "the report under xvfb-run."
-        )
+        "pyvista is installed, but VTK cannot draw without a display here: install libegl1 and libgl1-mesa-dri, or "
+        "libosmesa6."
     )
 
 
@@ -306,7 +306,6 @@ def _draw_box(panel, view, scale):
 
 def solid_figure(bodies, field, heading, notes, loading):
     """Runs side by side, the surface above and the cut below, one colour scale; None if no run has the field."""
-    _environment()
     view = View(*common_bounds(bodies), loading)
     drawn = [(body, note, body_parts(body, field, view, loading)) for body, note in zip(bodies, notes)]
     drawn = [(body, note, parts) for body, note, parts in drawn if parts]

@@ -181,6 +181,20 @@ class ReportOfSolids(unittest.TestCase):
         with mock.patch.dict("sys.modules", {"pyvista": None}):
             self.assertEqual(solid.why_not(), solid.INSTALL)
 
+    def test_pyvista_that_cannot_draw(self):
+        solid.why_not.cache_clear()
+        self.addCleanup(solid.why_not.cache_clear)
+        failed = mock.Mock(return_value=mock.Mock(returncode=1))
+        with mock.patch.dict("sys.modules", {"pyvista": mock.Mock()}), mock.patch("subprocess.run", failed):
+            with mock.patch.dict(os.environ):
+                self.assertIn("libegl1", solid.why_not())
+        self.assertGreaterEqual(failed.call_count, 2)
+
+    def test_run_that_wrote_its_first_frame_only(self):
+        with mock.patch.object(solid, "why_not", lambda: solid.INSTALL):
+            _, _, files = self.report_of(self.cylinder("mpm", times=(0.0,)))
+        self.assertIn("last_damage_x.png", files)
+
     def test_run_without_surfaces_and_peak_in_the_last_frame(self):
         path = self.cylinder("mpm", times=(0.0, 0.25, 0.55))
         name = os.path.join(path, "summary.json")
@@ -230,7 +244,7 @@ class PicturesInSpace(unittest.TestCase):
         body.rigid.clear()
         view = solid.View(*body.bounds(), 2)
         colours = Colours.of(field, [field.of(body.frame)])
-        solid._environment()
+        self.assertEqual(solid.why_not(), "")
         parts = solid.body_parts(body, field, view, 2)
         return solid._render(parts[part], [], view, colours, size), view, colours
 
