@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "case/read_case.hpp"
+#include "comm/comm.hpp"
 #include "la/newton.hpp"
 #include "sim/run.hpp"
 #include "sim/world.hpp"
@@ -29,21 +30,59 @@ int python(const std::string& module, const std::vector<std::string>& arguments)
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   // Debian's own interpreter has matplotlib and VTK; another one first in the PATH may not.
-  execv("/usr/bin/python3", argv.data());
-  fmt::print(stderr, "berm: cannot start /usr/bin/python3: install python3, python3-matplotlib and python3-vtk9\n");
+  const char* chosen = std::getenv("BERM_PYTHON");
+  const char* interpreter = chosen ? chosen : "/usr/bin/python3";
+  execv(interpreter, argv.data());
+  fmt::print(stderr, "berm: cannot start {}: {}\n", interpreter,
+             chosen ? "BERM_PYTHON must be the path of a Python interpreter"
+                    : "install python3, python3-matplotlib and python3-vtk9");
   return exit_failed;
 }
 
+/// Processes that an mpiexec started, 1 without one.
+int ranks_of_launcher() {
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    if (const char* size = std::getenv(name)) return std::atoi(size);
+  return 1;
+}
+
+/// Replaces this process by `mpiexec -n ranks berm ...` with the same arguments. Returns only if there is no mpiexec.
+int restart_under_mpiexec(int ranks, const std::vector<std::string>& arguments) {
+  // Root may run a program with mpiexec as well as without (containers, CI); more processes than cores are the user's
+  // choice; Ctrl-C leaves time for a checkpoint.
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
+  setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
+  setenv("OMPI_MCA_odls_base_sigkill_timeout", "120", 0);
+  std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks),
+                                    std::filesystem::read_symlink("/proc/self/exe").string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& w : words) argv.push_back(w.data());
+  argv.push_back(nullptr);
+  execvp("mpiexec", argv.data());
+  fmt::print(stderr, "berm: cannot start mpiexec: install openmpi-bin\n");
+  return exit_failed;
+}
+
+/// Errors are the same on all processes, or else the one that has it ends them all.
 int guarded(const std::function<void()>& work) {
+  const bool alone = ranks_of_launcher() == 1;
+  const auto fail = [&](const std::string& text, int code) {
+    if (alone || berm::Comm::world().is_root()) fmt::print(stderr, "{}\n", text);
+    return code;
+  };
   try {
     work();
     return exit_done;
   } catch (const berm::InputError& error) {
-    fmt::print(stderr, "{}\n", error.what());
-    return exit_bad_input;
+    return fail(error.what(), exit_bad_input);
+  } catch (const berm::RunError& error) {
+    return fail(fmt::format("berm: {}", error.what()), exit_failed);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "berm: {}\n", error.what());
-    return exit_failed;
+    if (alone) return fail(fmt::format("berm: {}", error.what()), exit_failed);
+    fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), error.what());
+    berm::Comm::world().abort(exit_failed);
   }
 }
 
@@ -52,7 +91,7 @@ int guarded(const std::function<void()>& work) {
 int main(int argc, char** argv) {
   CLI::App app{"berm: material point method for civil engineering"};
   app.require_subcommand(1);
-  std::string file, out, format = "markdown";
+  std::string file, out, restart, format = "markdown";
   std::vector<std::string> overrides, words;
   int ranks = 1;
   bool quiet = false;
@@ -61,9 +100,8 @@ int main(int argc, char** argv) {
   run->add_option("case", file, "case file (TOML)")->required();
   run->add_option("--out", out, "output folder (default: out/<name of the case>)");
   run->add_option("--set", overrides, "override a key: --set solver.integration=impl_ex")->take_all();
-  run->add_option("-n", ranks, "number of processes (this version: 1)")->check([](const std::string& n) {
-    return n == "1" ? std::string() : "this version runs on one process: leave -n out, or give -n 1";
-  });
+  run->add_option("-n", ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::Range(1, 100000));
+  run->add_option("--restart", restart, "checkpoint.h5 to go on from, on any number of processes");
   run->add_flag("--quiet", quiet, "only warnings and errors");
 
   CLI::App* check = app.add_subcommand("check", "build everything, run nothing, say what was found");
@@ -101,11 +139,17 @@ int main(int argc, char** argv) {
   }
   if (check->parsed())
     return guarded([&] {
-      auto world = berm::build_world(berm::read_case(file, overrides));
-      fmt::print("{}", berm::describe(*world));
+      if (ranks_of_launcher() > 1) berm::start_petsc();
+      const berm::Comm comm = berm::Comm::world();
+      auto world = berm::build_world(berm::read_case(file, overrides), comm);
+      const std::string text = berm::describe(*world);
+      if (comm.is_root()) fmt::print("{}", text);
     });
+  if (ranks > 1 && ranks_of_launcher() == 1) return restart_under_mpiexec(ranks, {argv + 1, argv + argc});
   return guarded([&] {
+    if (ranks_of_launcher() > 1) berm::start_petsc();  // so that errors of the case are told once
     berm::RunOptions options;
+    options.restart = restart;
     options.folder =
         out.empty() ? std::filesystem::path("out") / std::filesystem::path(file).stem() : std::filesystem::path(out);
     options.quiet = quiet;

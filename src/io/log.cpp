@@ -11,7 +11,7 @@ namespace berm {
 Log::Log(const LogOptions& options)
     : terminal_(options.terminal),
       quiet_(options.quiet),
-      interactive_(options.is_interactive ? *options.is_interactive : isatty(fileno(options.terminal)) == 1),
+      interactive_(options.is_interactive ? *options.is_interactive : options.terminal && isatty(fileno(options.terminal)) == 1),
       file_(options.file.empty() ? nullptr : std::make_unique<OutputFile>(options.file)) {}
 
 Log::~Log() {
@@ -39,6 +39,7 @@ void Log::status(std::string_view line) {
 }
 
 void Log::to_terminal(std::string_view line) {
+  if (!terminal_) return;
   fmt::print(terminal_, "{}{}\n", status_shown_ ? "\r\x1b[K" : "", line);
   std::fflush(terminal_);
   status_shown_ = false;

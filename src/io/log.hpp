@@ -15,7 +15,7 @@ namespace berm {
 struct LogOptions {
   std::string file;                    ///< log.txt; empty: no file
   bool quiet = false;                  ///< only warnings reach the terminal
-  std::FILE* terminal = stdout;        ///< not owned
+  std::FILE* terminal = stdout;        ///< not owned; null: none (all processes but the first)
   std::optional<bool> is_interactive;  ///< default: ask the operating system whether `terminal` is a terminal
 };
 

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "io/log.hpp"
+#include "sim/checkpoint.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
 
@@ -17,39 +18,55 @@ namespace {
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int) { interrupted = 1; }
 
+constexpr const char* checkpoint_name = "checkpoint.h5";
+
 /// Files of an earlier run in the same folder would mix with those of this one.
 void remove_old_results(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    const bool frame = name.ends_with(".vtu") && (name.starts_with("points_") || name.starts_with("mesh_"));
-    if (frame || name == "summary.json" || name == "history.csv" || name.ends_with(".pvd"))
+    const bool frame = (name.ends_with(".vtu") || name.ends_with(".pvtu")) &&
+                       (name.starts_with("points_") || name.starts_with("mesh_") || name.starts_with("surface_"));
+    if (frame || name == "summary.json" || name == "history.csv" || name == checkpoint_name || name.ends_with(".pvd"))
       std::filesystem::remove(entry.path());
   }
 }
 
 class Run {
 public:
-  Run(Case spec, const RunOptions& options)
+  Run(Case spec, const RunOptions& options, const Comm& comm)
       : start_(std::chrono::steady_clock::now()),
-        log_({(options.folder / "log.txt").string(), options.quiet, stdout, {}}),
-        world_(build_world(std::move(spec))),
+        comm_(comm),
+        folder_(options.folder),
+        log_(comm.is_root() ? LogOptions{(options.folder / "log.txt").string(), options.quiet, stdout, {}}
+                            : LogOptions{"", true, nullptr, false}),
+        world_(build_world(std::move(spec), comm)),
         step_(*world_),
         recorder_(*world_, step_, options.folder),
         control_(world_->spec.steps),
         progress_(log_, start_),
-        integration_(world_->spec.solver.integration) {
+        integration_(world_->spec.solver.integration),
+        saved_(start_) {
     log_.info(describe(*world_));
-    replace_file((options.folder / "case.toml").string(), world_->spec.resolved);
+    comm_.agree([&] {
+      if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);
+    });
+    if (options.restart.empty()) {
+      recorder_.start();
+      return;
+    }
+    load_checkpoint(options.restart, *world_, step_, recorder_, control_);
+    log_.info(fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
   }
 
   void go() {
     try {
       while (!control_.finished(world_->time)) {
-        if (interrupted) throw RunError(fmt::format("stopped by a signal at time {:.6g}", world_->time));
+        if (comm_.any(interrupted)) stop();
         advance();
+        save_if_due();
       }
     } catch (const std::exception& error) {
-      recorder_.finish(interrupted ? "stopped" : "failed", error.what(), seconds());
+      recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds());
       throw;
     }
     recorder_.finish("done", "", seconds());
@@ -59,12 +76,34 @@ public:
 private:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
+  void save() {
+    save_checkpoint((folder_ / checkpoint_name).string(), *world_, step_, recorder_, control_);
+    saved_ = std::chrono::steady_clock::now();
+    log_.detail(fmt::format("checkpoint at time {:.9g}", world_->time));
+  }
+
+  void save_if_due() {
+    const Checkpoint& c = world_->spec.checkpoint;
+    const double minutes = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved_).count() / 60.0;
+    const bool by_steps = c.every_steps > 0 && recorder_.steps() % c.every_steps == 0;
+    const bool by_time = comm_.broadcast(int(c.every_minutes > 0.0 && minutes >= c.every_minutes)) != 0;
+    if (by_steps || by_time) save();
+  }
+
+  /// Ctrl-C or SIGTERM on any process.
+  [[noreturn]] void stop() {
+    save();
+    throw RunError(fmt::format("stopped by a signal at time {:.6g}; go on with --restart {}", world_->time,
+                               (folder_ / checkpoint_name).string()));
+  }
+
   /// One accepted step: the step size is cut until the attempt converges.
   void advance() {
     for (;;) {
       const double dt = control_.next(world_->time);
       const Integration integration = bridge_ > 0 ? Integration::impl_ex : integration_;
       const StepResult result = step_.attempt(dt, integration);
+      log_choice();
       log_attempt(dt, result);
       if (!result.converged) {
         fail(dt, result);
@@ -83,7 +122,7 @@ private:
         control_.after_impl_ex(result.extrapolation_error);
       if (bridge_ > 0 && --bridge_ == 0) log_.info("back to implicit steps");
       progress_.update({recorder_.steps(), world_->time, recorder_.load(), result.iterations, result.residual,
-                        long(world_->discretisation->material.size())});
+                        world_->n_points()});
       return;
     }
   }
@@ -111,6 +150,13 @@ private:
                     world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
   }
 
+  /// The linear solver and why, whenever it changes.
+  void log_choice() {
+    if (step_.solver_choice() == choice_) return;
+    choice_ = step_.solver_choice();
+    log_.info("  linear solver     " + choice_);
+  }
+
   void log_attempt(double dt, const StepResult& result) {
     std::string text =
         fmt::format("time {:.9g} + {:.3g}: {} after {} linear solves, residuals", world_->time, dt,
@@ -121,12 +167,17 @@ private:
 
   void report_end() {
     const auto metrics = recorder_.metrics();
+    if (!comm_.is_root()) return;
     for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
     warn_about(metrics);
     const StepTimes t = step_.times();
     log_.info(
         fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
                     recorder_.steps(), duration_text(seconds()), t.connectivity, t.response, t.assembly, t.linear));
+    const LinearCount n = step_.linear_count();
+    if (n.iterations > n.solves)
+      log_.info(fmt::format("{} linear systems, {:.1f} iterations each, {} solved directly after all", n.solves,
+                            double(n.iterations) / n.solves, n.fallbacks));
   }
 
   void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
@@ -146,6 +197,8 @@ private:
   static constexpr int bridge_steps = 50;
 
   std::chrono::steady_clock::time_point start_;
+  Comm comm_;
+  std::filesystem::path folder_;
   Log log_;
   std::unique_ptr<World> world_;
   QuasiStaticStep step_;
@@ -154,18 +207,24 @@ private:
   Progress progress_;
   Integration integration_;
   int bridge_ = 0;
+  std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
+  std::string choice_;                           ///< of the linear solver, as last logged
 };
 
 }  // namespace
 
 void run_case(Case spec, const RunOptions& options) {
-  std::error_code error;
-  std::filesystem::create_directories(options.folder, error);
-  if (error)
-    throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
-  remove_old_results(options.folder);
   start_petsc(spec.solver.petsc);
-  Run run(std::move(spec), options);
+  const Comm comm = Comm::world();
+  comm.agree([&] {
+    if (!comm.is_root()) return;
+    std::error_code error;
+    std::filesystem::create_directories(options.folder, error);
+    if (error)
+      throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
+    if (options.restart.empty()) remove_old_results(options.folder);
+  });
+  Run run(std::move(spec), options, comm);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
   run.go();

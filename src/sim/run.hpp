@@ -10,10 +10,11 @@ namespace berm {
 struct RunOptions {
   std::filesystem::path folder;  ///< output folder; created if missing
   bool quiet = false;
+  std::string restart;  ///< checkpoint to go on from; empty: from the start
 };
 
-/// Runs the case. Throws InputError or RunError; in the second case everything up to the last converged step has been
-/// written.
+/// Runs the case on all processes. Throws InputError or RunError, the same on all; in the second case everything up to the
+/// last converged step has been written.
 void run_case(Case spec, const RunOptions& options);
 
 }  // namespace berm
