@@ -1,94 +1,116 @@
 #include "fem/element.hpp"
 
+#include "shape/quadrature.hpp"
+
 namespace berm::fem {
 namespace {
 
-void triangle(const Vec2& xi, bool quadratic, ElementShape& s) {
-  const double L[3] = {1.0 - xi.x() - xi.y(), xi.x(), xi.y()};
-  const Vec2 dL[3] = {Vec2(-1.0, -1.0), Vec2(1.0, 0.0), Vec2(0.0, 1.0)};
-  s.n = quadratic ? 6 : 3;
-  for (int i = 0; i < 3; ++i) {
+/// Ends of the edges with a mid-side node; a triangle has the first three.
+constexpr int simplex_edges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+
+/// Triangles and tetrahedra, by barycentric coordinates.
+void simplex(int dimension, bool quadratic, const Vec3& xi, ElementShape& s) {
+  const int corners = dimension + 1;
+  double L[4] = {1.0 - xi.head(dimension).sum(), xi.x(), xi.y(), xi.z()};
+  Vec3 dL[4] = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  dL[0].head(dimension).setConstant(-1.0);
+  s.n = corners;
+  for (int i = 0; i < corners; ++i) {
     s.N[i] = quadratic ? L[i] * (2.0 * L[i] - 1.0) : L[i];
-    s.dN[i] = quadratic ? Vec2((4.0 * L[i] - 1.0) * dL[i]) : dL[i];
-    if (!quadratic) continue;
-    const int j = (i + 1) % 3;
-    s.N[3 + i] = 4.0 * L[i] * L[j];
-    s.dN[3 + i] = 4.0 * (L[i] * dL[j] + L[j] * dL[i]);
+    s.dN[i] = quadratic ? Vec3((4.0 * L[i] - 1.0) * dL[i]) : dL[i];
+  }
+  if (!quadratic) return;
+  for (int e = 0; e < (dimension == 2 ? 3 : 6); ++e) {
+    const int i = simplex_edges[e][0], j = simplex_edges[e][1];
+    s.N[s.n] = 4.0 * L[i] * L[j];
+    s.dN[s.n++] = 4.0 * (L[i] * dL[j] + L[j] * dL[i]);
   }
 }
 
-constexpr double corner_x[4] = {-1, 1, 1, -1};
-constexpr double corner_y[4] = {-1, -1, 1, 1};
+/// Local coordinates of the nodes: corners, then mid-sides. The first four corners and mid-sides of the cube lie at its
+/// lower end; the square has them without z.
+constexpr signed char square_nodes[8][3] = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0},
+                                            {0, -1, 0},  {1, 0, 0},  {0, 1, 0}, {-1, 0, 0}};
+constexpr signed char cube_nodes[20][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1}, {-1, -1, 1},
+                                           {1, -1, 1},   {1, 1, 1},   {-1, 1, 1}, {0, -1, -1}, {1, 0, -1},
+                                           {0, 1, -1},   {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},   {0, 1, 1},
+                                           {-1, 0, 1},   {-1, -1, 0}, {1, -1, 0}, {1, 1, 0},   {-1, 1, 0}};
 
-void quad4(const Vec2& xi, ElementShape& s) {
-  s.n = 4;
-  for (int i = 0; i < 4; ++i) {
-    const double a = 1.0 + corner_x[i] * xi.x(), b = 1.0 + corner_y[i] * xi.y();
-    s.N[i] = 0.25 * a * b;
-    s.dN[i] = Vec2(0.25 * corner_x[i] * b, 0.25 * corner_y[i] * a);
+/// Product of the factors f_i over all directions but `skip`.
+double product(int dimension, const double* f, int skip) {
+  double p = 1.0;
+  for (int i = 0; i < dimension; ++i)
+    if (i != skip) p *= f[i];
+  return p;
+}
+
+/// Squares and cubes: prod (1 + c_i x_i) / 2^d at corners, times (sum c_i x_i - d + 1) if there are mid-sides; these
+/// have 1 - x_m^2 in the direction m of their edge.
+void box(int dimension, bool serendipity, const Vec3& xi, ElementShape& s) {
+  const auto* nodes = dimension == 2 ? square_nodes : cube_nodes;
+  const int corners = 1 << dimension;
+  const double share = 1.0 / corners;
+  s.n = serendipity ? (dimension == 2 ? 8 : 20) : corners;
+  for (int k = 0; k < s.n; ++k) {
+    const signed char* c = nodes[k];
+    double f[3], df[3], sum = 1.0 - dimension;
+    for (int i = 0; i < dimension; ++i) {
+      const bool along = c[i] == 0;
+      f[i] = along ? 1.0 - xi[i] * xi[i] : 1.0 + c[i] * xi[i];
+      df[i] = along ? -2.0 * xi[i] : c[i];
+      sum += c[i] * xi[i];
+    }
+    const bool corner = k < corners;
+    const double factor = !corner ? 2.0 * share : serendipity ? share * sum : share;
+    const double all = product(dimension, f, -1);
+    s.N[k] = factor * all;
+    s.dN[k].setZero();
+    for (int i = 0; i < dimension; ++i) {
+      s.dN[k][i] = factor * df[i] * product(dimension, f, i);
+      if (corner && serendipity) s.dN[k][i] += share * c[i] * all;
+    }
   }
 }
 
-void quad8(const Vec2& xi, ElementShape& s) {
-  s.n = 8;
-  const double x = xi.x(), y = xi.y();
-  for (int i = 0; i < 4; ++i) {
-    const double cx = corner_x[i], cy = corner_y[i];
-    const double a = 1.0 + cx * x, b = 1.0 + cy * y, c = cx * x + cy * y - 1.0;
-    s.N[i] = 0.25 * a * b * c;
-    s.dN[i] = Vec2(0.25 * cx * b * (c + a), 0.25 * cy * a * (c + b));
-  }
-  for (int i : {0, 2}) {  // mid-sides of the edges along x
-    const double cy = corner_y[i];
-    s.N[4 + i] = 0.5 * (1.0 - x * x) * (1.0 + cy * y);
-    s.dN[4 + i] = Vec2(-x * (1.0 + cy * y), 0.5 * cy * (1.0 - x * x));
-  }
-  for (int i : {1, 3}) {  // mid-sides of the edges along y
-    const double cx = corner_x[i];
-    s.N[4 + i] = 0.5 * (1.0 - y * y) * (1.0 + cx * x);
-    s.dN[4 + i] = Vec2(0.5 * cx * (1.0 - y * y), -y * (1.0 + cx * x));
-  }
-}
-
-}  // namespace
-
-ElementShape element_shape(CellKind kind, const Vec2& xi) {
-  ElementShape s;
-  switch (kind) {
-    case CellKind::tri3:
-      triangle(xi, false, s);
-      break;
-    case CellKind::tri6:
-      triangle(xi, true, s);
-      break;
-    case CellKind::quad4:
-      quad4(xi, s);
-      break;
-    case CellKind::quad8:
-      quad8(xi, s);
-      break;
-  }
-  return s;
-}
-
-std::vector<QuadraturePoint> element_rule(CellKind kind) {
+std::vector<QuadraturePoint> rule_of(CellKind kind) {
   switch (kind) {
     case CellKind::tri3:
       return gauss_triangle(1);
     case CellKind::tri6:
       return gauss_triangle(3);
+    case CellKind::tet4:
+      return gauss_tetrahedron(1);
+    case CellKind::tet10:
+      return gauss_tetrahedron(4);
     default:
-      return gauss_square(2);
+      return dimension_of(kind) == 2 ? gauss_square(2) : gauss_cube(2);
   }
 }
 
-Vec2 edge_point(CellKind kind, int local, double s) {
-  if (corners_of(kind) == 3) {
-    const Vec2 corner[3] = {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)};
-    return 0.5 * ((1.0 - s) * corner[local] + (1.0 + s) * corner[(local + 1) % 3]);
+std::array<std::vector<RulePoint>, 8> all_rules() {
+  std::array<std::vector<RulePoint>, 8> rules;
+  for (std::size_t k = 0; k < rules.size(); ++k) {
+    const CellKind kind = static_cast<CellKind>(k);
+    for (const QuadraturePoint& q : rule_of(kind)) rules[k].push_back({q.xi, q.weight, element_shape(kind, q.xi)});
   }
-  const int next = (local + 1) % 4;
-  return 0.5 * ((1.0 - s) * Vec2(corner_x[local], corner_y[local]) + (1.0 + s) * Vec2(corner_x[next], corner_y[next]));
+  return rules;
+}
+
+}  // namespace
+
+ElementShape element_shape(CellKind kind, const Vec3& xi) {
+  ElementShape s;
+  const bool quadratic = nodes_of(kind) > corners_of(kind);
+  if (is_simplex(kind))
+    simplex(dimension_of(kind), quadratic, xi, s);
+  else
+    box(dimension_of(kind), quadratic, xi, s);
+  return s;
+}
+
+const std::vector<RulePoint>& element_rule(CellKind kind) {
+  static const std::array<std::vector<RulePoint>, 8> rules = all_rules();
+  return rules[static_cast<int>(kind)];
 }
 
 }  // namespace berm::fem

@@ -1,26 +1,32 @@
 #pragma once
-/// Isoparametric shape functions: tri3, quad4, tri6, quad8 (serendipity). Node order as in mesh.hpp.
+/// Isoparametric shape functions of all kinds of cells, quads and hexahedra with mid-sides as serendipity elements.
+/// Node order and local coordinates as in mesh.hpp and quadrature.hpp.
 
 #include <array>
 #include <vector>
 
 #include "mesh/mesh.hpp"
-#include "shape/quadrature.hpp"
 
 namespace berm::fem {
 
+constexpr int most_nodes = 20;
+
 struct ElementShape {
   int n = 0;
-  std::array<double, 8> N{};
-  std::array<Vec2, 8> dN{};  ///< by the local coordinates
+  std::array<double, most_nodes> N{};
+  std::array<Vec3, most_nodes> dN;  ///< by the local coordinates; z = 0 in the plane
 };
 
-ElementShape element_shape(CellKind kind, const Vec2& xi);
+ElementShape element_shape(CellKind kind, const Vec3& xi);
 
-/// The usual rule of each kind: tri3 1 point, quad4 2x2, tri6 3 points, quad8 2x2.
-std::vector<QuadraturePoint> element_rule(CellKind kind);
+/// A point of a rule, with the functions there.
+struct RulePoint {
+  Vec3 xi;
+  double weight;
+  ElementShape shape;
+};
 
-/// Shape functions at local coordinate s in [-1, 1] of edge `local` of a cell: local coordinates of that point.
-Vec2 edge_point(CellKind kind, int local, double s);
+/// The usual rule of each kind: tri3 1 point, quad4 2x2, tri6 3, quad8 2x2, tet4 1, tet10 4, hex8 and hex20 2x2x2.
+const std::vector<RulePoint>& element_rule(CellKind kind);
 
 }  // namespace berm::fem

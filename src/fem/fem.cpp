@@ -2,242 +2,348 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.hpp"
+#include "fem/geometry.hpp"
 #include "method/crack_band.hpp"
 
 namespace berm {
 namespace {
 
-/// The corner cells of a mesh (straight-sided), for point location.
-Mesh corner_mesh(const Mesh& mesh) {
-  Mesh out;
-  out.nodes = mesh.nodes;
-  for (int c = 0; c < mesh.n_cells(); ++c)
-    out.add_cell(corners_of(mesh.kinds[c]) == 3 ? CellKind::tri3 : CellKind::quad4, mesh.cell(c));
-  return out;
-}
-
-/// Local coordinates of x in element c by Newton; true if it lies inside within `tolerance`.
-bool invert(const Mesh& mesh, int c, const Vec2& x, double tolerance, Vec2& xi) {
-  const CellKind kind = mesh.kinds[c];
-  const bool tri = corners_of(kind) == 3;
-  xi = tri ? Vec2(1.0 / 3.0, 1.0 / 3.0) : Vec2(0.0, 0.0);
-  for (int it = 0; it < 30; ++it) {
-    const fem::ElementShape s = fem::element_shape(kind, xi);
-    Vec2 r = x;
-    Mat2 J = Mat2::Zero();
-    for (int k = 0; k < s.n; ++k) {
-      r -= s.N[k] * mesh.nodes[mesh.cell(c)[k]];
-      J += mesh.nodes[mesh.cell(c)[k]] * s.dN[k].transpose();
-    }
-    const Vec2 step = J.inverse() * r;
-    xi += step;
-    if (step.norm() < 1e-13) break;
-    if (!(xi.norm() < 10.0)) return false;
-  }
-  if (tri) return xi.x() >= -tolerance && xi.y() >= -tolerance && xi.sum() <= 1.0 + tolerance;
-  return xi.cwiseAbs().maxCoeff() <= 1.0 + 2.0 * tolerance;
-}
+constexpr const char* other_mesh = "the checkpoint was written with other meshes of the bodies than the case has now";
 
 }  // namespace
 
+FemDiscretisation::FemDiscretisation(Space space, const Comm& comm) : Discretisation(comm), space_(space) {}
+
+// ---- bodies
+
 void FemDiscretisation::add_body(int body, const std::string& name, const Material& spec, const Mesh& mesh,
                                  double thickness) {
+  if (mesh.kinds.empty() || mesh.dimension() != dimension_of(space_))
+    throw InputError(fmt::format("body \"{}\": its mesh has no cells of a {} model", name,
+                                 space_ == Space::solid ? "solid" : "plane or axisymmetric"));
   const int node0 = mesh_.n_nodes(), element0 = mesh_.n_cells();
   mesh_.nodes.insert(mesh_.nodes.end(), mesh.nodes.begin(), mesh.nodes.end());
   for (const auto& [group, list] : mesh.node_groups)
     for (int node : list) mesh_.node_groups[group].push_back(node0 + node);
 
-  std::vector<double> volume, length;
+  BodyMesh added{body, name, spec, thickness, element0, mesh.n_cells(), 0.0, {}};
+  double measure = 0.0;
   for (int c = 0; c < mesh.n_cells(); ++c) {
-    const CellKind kind = mesh.kinds[c];
-    std::array<int, 8> list{};
-    for (int k = 0; k < nodes_of(kind); ++k) list[k] = node0 + mesh.cell(c)[k];
-    mesh_.add_cell(kind, list.data());
-    body_of_element_.push_back(body);
-    const double l = crack_band_length(spec, mesh, c);
-    const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
-    if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
-
-    for (const QuadraturePoint& q : fem::element_rule(kind)) {
-      const fem::ElementShape s = fem::element_shape(kind, q.xi);
-      Mat2 J = Mat2::Zero();
-      for (int k = 0; k < s.n; ++k) J += mesh.nodes[mesh.cell(c)[k]] * s.dN[k].transpose();
-      const double det = J.determinant();
-      if (!(det > 0.0))
-        throw InputError(
-            fmt::format("body \"{}\": element {} of its mesh is turned inside out (Jacobian {:.3g})", name, c, det));
-      GaussPoint g;
-      g.N = s.N;
-      const Mat2 inverse = J.inverse().transpose();
-      for (int k = 0; k < s.n; ++k) g.grad[k] = inverse * s.dN[k];
-      points_.push_back(g);
-      volume.push_back(q.weight * det * thickness);
-      mass_.push_back(spec.density * volume.back());
-      length.push_back(l);
-      area_ += q.weight * det;
-    }
-    first_.push_back(static_cast<int>(points_.size()));
+    std::array<int, fem::most_nodes> list{};
+    const auto nodes_here = mesh.nodes_of_cell(c);
+    for (std::size_t k = 0; k < nodes_here.size(); ++k) list[k] = node0 + nodes_here[k];
+    mesh_.add_cell(mesh.kinds[c], list.data());
+    measure += add_element(added, element0 + c);
   }
-  material.add(body, spec.law, volume, length);
-  push_.resize(points_.size());
-  u_.assign(mesh_.nodes.size(), Vec2::Zero());
-  nodes = mesh_.nodes;
-  active.assign(nodes.size(), 1);
-  bodies_.push_back({body, element0, make_unstructured_grid(corner_mesh(mesh))});
-
-  blocks = Blocks{};
-  for (int e = 0; e < mesh_.n_cells(); ++e)
-    blocks.add({mesh_.cell(e), static_cast<std::size_t>(nodes_of(mesh_.kinds[e]))});
-  cell_size_ = std::sqrt(area_ / mesh_.n_cells());
+  measure_ += measure;
+  added.cell_size = std::pow(measure / mesh.n_cells(), 1.0 / dimension());
+  cell_size_ = std::pow(measure_ / mesh_.n_cells(), 1.0 / dimension());
+  added.corners = make_unstructured_grid(fem::corner_mesh(mesh));
+  bodies_.push_back(std::move(added));
+  material.add(body, spec.law, {}, {});  // its points come with the elements of this process
 }
 
-int FemDiscretisation::first_element(int body) const {
+/// Checks the last element of the mesh and numbers its points. Returns its area or volume.
+double FemDiscretisation::add_element(const BodyMesh& b, int element) {
+  const int number = element - b.first_element;
+  const std::string problem =
+      std::visit([&](const auto& law) { return law.check(crack_band(b, element)); }, b.material.law);
+  if (!problem.empty())
+    throw InputError(fmt::format("body \"{}\", material \"{}\": {}", b.name, b.material.name, problem));
+  double measure = 0.0;
+  const auto& rule = fem::element_rule(mesh_.kinds[element]);
+  for (const fem::RulePoint& q : rule) {
+    const double det = fem::jacobian(mesh_, element, q.shape).determinant();
+    if (!(det > 0.0))
+      throw InputError(fmt::format("body \"{}\": element {} of its mesh is turned inside out (Jacobian {:.3g})", b.name,
+                                   number, det));
+    if (space_ == Space::axisymmetric && !(fem::place(mesh_, element, q.shape).x() > 0.0))
+      throw InputError(fmt::format(
+          "body \"{}\": element {} of its mesh lies across the axis x = 0 (all of the body must have x >= 0)", b.name,
+          number));
+    measure += q.weight * det;
+  }
+  body_of_element_.push_back(b.body);
+  first_number_.push_back(first_number_.back() + static_cast<std::int64_t>(rule.size()));
+  return measure;
+}
+
+const FemDiscretisation::BodyMesh& FemDiscretisation::body_mesh(int body) const {
   for (const BodyMesh& b : bodies_)
-    if (b.body == body) return b.first_element;
-  return -1;
+    if (b.body == body) return b;
+  throw RunError(fmt::format("body {} has no mesh", body));
 }
 
-/// The element that holds an anchor's reference position. Meshes of curved bodies leave slivers outside: the nearest
-/// element within half a cell serves, its functions extended.
-void FemDiscretisation::attach(Anchor& anchor) const {
+int FemDiscretisation::points_of_body(int body) const {
+  const BodyMesh& b = body_mesh(body);
+  return static_cast<int>(first_number_[b.first_element + b.n_elements] - first_number_[b.first_element]);
+}
+
+double FemDiscretisation::crack_band(const BodyMesh& b, int element) const {
+  return crack_band_length(b.material, mesh_, element);
+}
+
+// ---- elements and processes
+
+void FemDiscretisation::move_points(double) { share_out(); }
+
+void FemDiscretisation::share_out() {
+  if (shared_out_) return;
+  shared_out_ = true;
+  share_elements();
+  build_points();
+  number_nodes();
+  most_loaded_ = Partition::imbalance(comm_, static_cast<double>(id_.size()));
+}
+
+/// Every process names its part of the elements, so that no process has to hold all places.
+void FemDiscretisation::share_elements() {
+  const std::int64_t n = mesh_.n_cells();
+  const int begin = static_cast<int>(n * comm_.rank() / comm_.size());
+  const int end = static_cast<int>(n * (comm_.rank() + 1) / comm_.size());
+  std::vector<Vec3> centres;
+  std::vector<double> weights;
+  for (int e = begin; e < end; ++e) {
+    centres.push_back(cell_centre(mesh_, e));
+    weights.push_back(static_cast<double>(first_number_[e + 1] - first_number_[e]));
+  }
+  partition_.balance(comm_, dimension(), centres, weights);
+  for (int e = 0; e < n; ++e)
+    if (owner_of_element(e) == comm_.rank()) elements_.push_back(e);
+}
+
+/// What the measure of a Gauss point stands for: a ring around the axis, a plate, or nothing but itself.
+double FemDiscretisation::depth(const BodyMesh& b, double radius) const {
+  if (space_ == Space::axisymmetric) return 2.0 * std::numbers::pi * radius;
+  return space_ == Space::solid ? 1.0 : b.thickness;
+}
+
+/// Gauss points and material of this process's elements.
+void FemDiscretisation::build_points() {
+  material = MaterialState{};
+  std::size_t k = 0;
   for (const BodyMesh& b : bodies_) {
-    if (b.body != anchor.body) continue;
-    const Mesh& local = b.corners.mesh;
-    Vec2 xi;
-    int element = b.corners.locator->locate(anchor.X, -1);
-    if (element >= 0 && !invert(mesh_, b.first_element + element, anchor.X, 0.2, xi)) element = -1;
-    double best = 0.0;
-    for (int c = 0; element < 0 && c < local.n_cells(); ++c)
-      if (invert(mesh_, b.first_element + c, anchor.X, 1e-9, xi)) element = c;
-    if (element < 0)
-      for (int c = 0; c < local.n_cells(); ++c) {
-        Vec2 trial;
-        if (!invert(mesh_, b.first_element + c, anchor.X, 0.5, trial)) continue;
-        Vec2 centre = Vec2::Zero();
-        const int n = corners_of(local.kinds[c]);
-        for (int k = 0; k < n; ++k) centre += local.nodes[local.cell(c)[k]] / n;
-        const double distance = (centre - anchor.X).norm();
-        if (element < 0 || distance < best) {
-          best = distance;
-          element = c;
-        }
+    std::vector<double> volume, length;
+    for (; k < elements_.size() && elements_[k] < b.first_element + b.n_elements; ++k) {
+      const int e = elements_[k];
+      std::int64_t number = first_number_[e];
+      for (const fem::RulePoint& q : fem::element_rule(mesh_.kinds[e])) {
+        const Mat3 J = fem::jacobian(mesh_, e, q.shape);
+        const double radius = fem::place(mesh_, e, q.shape).x();
+        inverse_.push_back(J.inverse());
+        if (space_ == Space::axisymmetric) radius_.push_back(radius);
+        volume.push_back(q.weight * J.determinant() * depth(b, radius));
+        length.push_back(crack_band(b, e));
+        id_.push_back(number++);
       }
-    if (element < 0) break;
-    invert(mesh_, b.first_element + element, anchor.X, 1.0, xi);
-    anchor.cell = anchor.block = b.first_element + element;
-    const fem::ElementShape s = fem::element_shape(mesh_.kinds[anchor.cell], xi);
-    anchor.stencil.n = s.n;
-    anchor.stencil.N = s.N;
-    for (int k = 0; k < s.n; ++k) anchor.stencil.node[k] = mesh_.cell(anchor.cell)[k];
+      density_.push_back(b.material.density);
+      first_.push_back(static_cast<int>(id_.size()));
+    }
+    material.add(b.body, b.material.law, volume, length);
+  }
+}
+
+/// Local nodes and blocks, for the whole run.
+void FemDiscretisation::number_nodes() {
+  ++connectivity;
+  std::vector<std::int64_t> touched;
+  for (int e : elements_)
+    for (int node : mesh_.nodes_of_cell(e)) touched.push_back(node);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  halo = build_halo(comm_, touched, [&](std::int64_t id) { return partition_.owner(mesh_.nodes[id]); });
+  std::vector<int> local(mesh_.n_nodes(), -1);
+  nodes.clear();
+  for (int i = 0; i < halo.size(); ++i) {
+    local[halo.ids[i]] = i;
+    nodes.push_back(mesh_.nodes[halo.ids[i]]);
+  }
+  u_.assign(nodes.size(), Vec3::Zero());
+  blocks = Blocks{};
+  std::array<int, fem::most_nodes> list;
+  for (int e : elements_) {
+    const auto nodes_here = mesh_.nodes_of_cell(e);
+    std::transform(nodes_here.begin(), nodes_here.end(), list.begin(), [&](int node) { return local[node]; });
+    blocks.add({list.data(), nodes_here.size()});
+  }
+}
+
+// ---- checkpoints
+
+std::vector<double> FemDiscretisation::point_rows(int slice) const {
+  const Slice& s = material.slices[slice];
+  const int width = row_width(slice);
+  std::vector<double> rows(std::size_t(s.end - s.begin) * width);
+  for (int p = s.begin; p < s.end; ++p) {
+    double* row = rows.data() + std::size_t(p - s.begin) * width;
+    row[0] = static_cast<double>(id_[p]);
+    material.write_row(p, row + 1);
+  }
+  return rows;
+}
+
+int FemDiscretisation::element_of_point(std::int64_t id) const {
+  return static_cast<int>(std::upper_bound(first_number_.begin(), first_number_.end(), id) - first_number_.begin()) - 1;
+}
+
+/// Rows by the processes that own their points.
+std::vector<std::vector<double>> FemDiscretisation::rows_by_owner(int slice, const std::vector<double>& rows) const {
+  const int width = row_width(slice);
+  std::vector<std::vector<double>> to(comm_.size());
+  for (std::size_t at = 0; at + width <= rows.size(); at += width) {
+    const auto id = static_cast<std::int64_t>(rows[at]);
+    if (id < 0 || id >= first_number_.back()) throw InputError(other_mesh);
+    auto& list = to[owner_of_element(element_of_point(id))];
+    list.insert(list.end(), rows.begin() + at, rows.begin() + at + width);
+  }
+  return to;
+}
+
+/// Rows of this process's points of a slice, whoever sent them, ordered and without the ids.
+std::vector<double> FemDiscretisation::own_rows(int slice, const std::vector<std::vector<double>>& from) const {
+  const int width = row_width(slice);
+  std::vector<const double*> order;
+  for (const auto& rows : from)
+    for (std::size_t at = 0; at + width <= rows.size(); at += width) order.push_back(rows.data() + at);
+  std::sort(order.begin(), order.end(), [](const double* a, const double* b) { return *a < *b; });
+  const Slice& s = material.slices[slice];
+  const auto mine = id_.begin() + s.begin;
+  if (!std::equal(order.begin(), order.end(), mine, id_.begin() + s.end,
+                  [](const double* row, std::int64_t id) { return *row == static_cast<double>(id); }))
+    throw InputError(other_mesh);
+  std::vector<double> out;
+  out.reserve(order.size() * (width - 1));
+  for (const double* row : order) out.insert(out.end(), row + 1, row + width);
+  return out;
+}
+
+void FemDiscretisation::restore_points(const std::vector<std::vector<double>>& rows_of_slice) {
+  share_out();
+  std::vector<std::vector<double>> mine;
+  for (int s = 0; s < static_cast<int>(material.slices.size()); ++s) {
+    std::vector<std::vector<double>> to;
+    comm_.agree([&] { to = rows_by_owner(s, rows_of_slice[s]); });
+    const auto from = comm_.exchange(to);
+    comm_.agree([&] { mine.push_back(own_rows(s, from)); });
+  }
+  material.replace(mine);
+}
+
+std::vector<Vec3> FemDiscretisation::node_state() const { return {u_.begin(), u_.begin() + halo.n_owned}; }
+
+void FemDiscretisation::restore_nodes(const std::vector<std::int64_t>& ids, const std::vector<Vec3>& displacements) {
+  share_out();
+  std::vector<std::vector<double>> to(comm_.size());
+  comm_.agree([&] {
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (ids[i] < 0 || ids[i] >= mesh_.n_nodes()) throw InputError(other_mesh);
+      const Vec3& u = displacements[i];
+      auto& list = to[partition_.owner(mesh_.nodes[ids[i]])];
+      list.insert(list.end(), {static_cast<double>(ids[i]), u.x(), u.y(), u.z()});
+    }
+  });
+  const auto from = comm_.exchange(to);
+  comm_.agree([&] {
+    int missing = halo.n_owned;
+    for (const auto& rows : from)
+      for (std::size_t at = 0; at < rows.size(); at += 4, --missing) {
+        const int node = halo.find(static_cast<std::int64_t>(rows[at]));
+        if (node < 0) throw InputError(other_mesh);
+        u_[node] = Vec3(rows[at + 1], rows[at + 2], rows[at + 3]);
+      }
+    if (missing != 0) throw InputError(other_mesh);
+  });
+  if (comm_.size() > 1) halo.copy_to_ghosts(reinterpret_cast<double*>(u_.data()), 3);
+}
+
+// ---- anchors
+
+/// From just below the surface downwards, up to half a cell: curved sides have their chords inside.
+int FemDiscretisation::find_element(const BodyMesh& b, const Anchor& a) const {
+  for (const double depth : {1e-6, 0.05, 0.15, 0.3, 0.5}) {
+    const int cell = b.corners.locator->locate(a.X + depth * b.cell_size * a.inward, -1);
+    const int found = cell < 0 ? -1 : walk_to(b, b.first_element + cell, a.X);
+    if (found >= 0) return found;
+    if (a.inward.isZero()) break;
+  }
+  return search(b, a.X);
+}
+
+/// From an element nearby to the one that holds x, neighbour by neighbour: corner cells tell not quite where curved
+/// elements are. -1 if it leads nowhere.
+int FemDiscretisation::walk_to(const BodyMesh& b, int start, const Vec3& x) const {
+  constexpr double inside = 1e-9, farthest = 0.5;
+  int here = start;
+  double distance = fem::distance_outside(mesh_, here, x);
+  for (int from = -1; distance > inside && here != from;) {
+    from = here;
+    for (int f = 0; f < max_faces; ++f) {
+      const int other = b.corners.neighbours[std::size_t(max_faces) * (from - b.first_element) + f];
+      if (other < 0) continue;
+      const double d = fem::distance_outside(mesh_, b.first_element + other, x);
+      if (d >= distance) continue;
+      distance = d;
+      here = b.first_element + other;
+    }
+  }
+  return distance <= farthest ? here : -1;
+}
+
+/// The nearest of all elements, for the few anchors that nothing leads to.
+int FemDiscretisation::search(const BodyMesh& b, const Vec3& x) const {
+  int best = -1;
+  double least = 0.5;
+  for (int e = b.first_element; e < b.first_element + b.n_elements; ++e) {
+    const Vec3 centre = cell_centre(mesh_, e);
+    double reach = 0.0;
+    for (int node : mesh_.nodes_of_cell(e)) reach = std::max(reach, (mesh_.nodes[node] - centre).squaredNorm());
+    if ((x - centre).squaredNorm() > 4.0 * reach) continue;
+    const double d = fem::distance_outside(mesh_, e, x);
+    if (d > least || (best >= 0 && d == least)) continue;
+    least = d;
+    best = e;
+  }
+  return best;
+}
+
+int FemDiscretisation::locate(Anchor& a) const {
+  const BodyMesh& b = body_mesh(a.body);
+  if (a.cell < b.first_element || a.cell >= b.first_element + b.n_elements) a.cell = find_element(b, a);
+  if (a.cell < 0)
+    throw RunError(fmt::format("the point ({:.6g}, {:.6g}, {:.6g}) lies in no element of the mesh of body \"{}\"",
+                               a.X.x(), a.X.y(), a.X.z(), b.name));
+  return owner_of_element(a.cell);
+}
+
+void FemDiscretisation::attach(Anchor& a) const {
+  const auto found = std::lower_bound(elements_.begin(), elements_.end(), a.cell);
+  if (found == elements_.end() || *found != a.cell)
+    throw RunError(fmt::format("element {} belongs to another process than its anchor", a.cell));
+  const int block = static_cast<int>(found - elements_.begin());
+  const std::span<const int> list = blocks[block];
+  const auto& carried = a.stencil.node;
+  if (a.block == block && a.stencil.n == static_cast<int>(list.size()) &&
+      std::equal(list.begin(), list.end(), carried.begin()))
     return;
-  }
-  throw InputError(
-      fmt::format("the point ({:.6g}, {:.6g}) lies in no element of its body's mesh", anchor.X.x(), anchor.X.y()));
+  Vec3 xi;
+  fem::local_coordinates(mesh_, a.cell, a.X, xi);
+  const fem::ElementShape shape = fem::element_shape(mesh_.kinds[a.cell], xi);
+  a.block = block;
+  a.stencil.n = shape.n;
+  a.stencil.N = shape.N;
+  std::copy(list.begin(), list.end(), a.stencil.node.begin());
 }
 
-void FemDiscretisation::begin_step(std::vector<Anchor*>& anchors) {
-  for (Anchor* a : anchors)
-    if (a->stencil.n == 0) attach(*a);
-}
-
-/// F = I + sum u_I (x) grad_X N_I, gradients pushed forward by F^-T.   [formulation (11)]
-Status FemDiscretisation::evaluate(const NodalVector& du, const LawSettings& settings, bool tangent) {
-  for (int e = 0; e < mesh_.n_cells(); ++e) {
-    const std::span<const int> list = blocks[e];
-    for (int p = first_[e]; p < first_[e + 1]; ++p) {
-      Mat2 F = Mat2::Identity();
-      for (std::size_t k = 0; k < list.size(); ++k)
-        F.noalias() += (u_[list[k]] + du[list[k]]) * points_[p].grad[k].transpose();
-      material.trial_F[p] = F;
-      if (settings.kinematics == Kinematics::small) {
-        push_[p] = points_[p].grad;
-        continue;
-      }
-      const Mat2 push = F.inverse().transpose();
-      for (std::size_t k = 0; k < list.size(); ++k) push_[p][k] = push * points_[p].grad[k];
-    }
-  }
-  return material.respond(settings, tangent);
-}
-
-void FemDiscretisation::add_internal_force(NodalVector& f) const {
-  for (int e = 0; e < mesh_.n_cells(); ++e) {
-    const std::span<const int> list = blocks[e];
-    for (int p = first_[e]; p < first_[e + 1]; ++p) {
-      const Mat2 tau = material.trial[p].stress * material.volume[p];
-      for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += tau * push_[p][k];
-    }
-  }
-}
-
-void FemDiscretisation::add_tangent(BlockAssembler& matrix) const {
-  std::array<double, 256> K;
-  for (int e = 0; e < mesh_.n_cells(); ++e) {
-    const int n = static_cast<int>(blocks[e].size());
-    std::fill_n(K.begin(), 4 * n * n, 0.0);
-    for (int p = first_[e]; p < first_[e + 1]; ++p) {
-      const Eigen::Matrix4d a = material.trial[p].tangent * material.volume[p];
-      for (int J = 0; J < n; ++J) {
-        const Vec2& gJ = push_[p][J];
-        // Columns: stress increments for a unit displacement of node J in x and y.
-        const Eigen::Vector4d tx = a.col(0) * gJ.x() + a.col(1) * gJ.y();
-        const Eigen::Vector4d ty = a.col(2) * gJ.x() + a.col(3) * gJ.y();
-        for (int I = 0; I < n; ++I) {
-          const Vec2& gI = push_[p][I];
-          double* row_x = K.data() + (2 * I) * 2 * n + 2 * J;
-          double* row_y = row_x + 2 * n;
-          row_x[0] += gI.x() * tx[0] + gI.y() * tx[1];
-          row_x[1] += gI.x() * ty[0] + gI.y() * ty[1];
-          row_y[0] += gI.x() * tx[2] + gI.y() * tx[3];
-          row_y[1] += gI.x() * ty[2] + gI.y() * ty[3];
-        }
-      }
-    }
-    matrix.add(e, K.data());
-  }
-}
-
-void FemDiscretisation::add_body_force(const Vec2& acceleration, NodalVector& f) const {
-  for (int e = 0; e < mesh_.n_cells(); ++e) {
-    const std::span<const int> list = blocks[e];
-    for (int p = first_[e]; p < first_[e + 1]; ++p)
-      for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += points_[p].N[k] * mass_[p] * acceleration;
-  }
-}
-
-void FemDiscretisation::commit(const NodalVector& du, std::vector<Anchor*>& anchors) {
-  material.commit();
-  for (std::size_t i = 0; i < u_.size(); ++i) u_[i] += du[i];
-  for (Anchor* a : anchors) {
-    a->u = a->stencil.interpolate(u_);
-    a->x = a->X + a->u;
-  }
-}
-
-std::vector<Vec2> FemDiscretisation::point_positions() const {
-  std::vector<Vec2> x;
-  for (int e = 0; e < mesh_.n_cells(); ++e)
-    for (int p = first_[e]; p < first_[e + 1]; ++p) {
-      Vec2 sum = Vec2::Zero();
-      for (std::size_t k = 0; k < blocks[e].size(); ++k)
-        sum += points_[p].N[k] * (mesh_.nodes[blocks[e][k]] + u_[blocks[e][k]]);
-      x.push_back(sum);
-    }
-  return x;
-}
-
-std::vector<Vec2> FemDiscretisation::point_displacements() const {
-  std::vector<Vec2> u;
-  for (int e = 0; e < mesh_.n_cells(); ++e)
-    for (int p = first_[e]; p < first_[e + 1]; ++p) {
-      Vec2 sum = Vec2::Zero();
-      for (std::size_t k = 0; k < blocks[e].size(); ++k) sum += points_[p].N[k] * u_[blocks[e][k]];
-      u.push_back(sum);
-    }
-  return u;
+void FemDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
+  comm_.agree([&] {
+    for (Anchor* a : anchors) attach(*a);
+  });
 }
 
 }  // namespace berm
