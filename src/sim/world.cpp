@@ -183,7 +183,7 @@ void collect_warnings(World& w) {
   }
 }
 
-/// Pins, gauges and probes must lie in a deformable body. Process 0 still has all the points.
+/// Pins, gauges and probes must lie in a deformable body.
 void check_places(const World& w) {
   const Discretisation& d = *w.discretisation;
   const std::vector<Vec3> points = d.point_positions();
@@ -249,6 +249,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   const double h = w->discretisation->cell_size();
   const bool plane = w->spec.space == Space::plane_strain || w->spec.space == Space::plane_stress;
   w->elastic_scale = youngs * h * (plane ? w->spec.thickness : h);
+  w->discretisation->move_points(w->spec.parallel.rebalance);
   check_places(*w);
   w->begin_step();
   collect_warnings(*w);
