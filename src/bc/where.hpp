@@ -10,8 +10,8 @@ namespace berm {
 
 /// True if x fulfils the box and the sector of `where` (its group is looked up by the caller).
 inline bool inside(const Where& where, const Vec3& x) {
-  if (where.min && (x.x() < where.min->x() || x.y() < where.min->y())) return false;
-  if (where.max && (x.x() > where.max->x() || x.y() > where.max->y())) return false;
+  if (where.min && (x.array() < where.min->array()).any()) return false;
+  if (where.max && (x.array() > where.max->array()).any()) return false;
   if (where.sector) {
     const Vec2 d = in_plane(x) - where.sector->centre;
     constexpr double turn = 2.0 * std::numbers::pi;

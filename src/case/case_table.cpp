@@ -2,16 +2,35 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "case/tables.hpp"
 
 namespace berm {
 namespace {
 
+KeyInfo dimension_info() {
+  KeyInfo info = plain_info("dimension", "2 or 3", "integer",
+                            "a plane or axisymmetric model, or one in space: how many numbers places and vectors have");
+  info.json = Node();
+  info.json.set("enum", Node(Node::Array{Node(std::int64_t{2}), Node(std::int64_t{3})}));
+  return info;
+}
+
 Table<Case> model_table() {
   Table<Case> t("What kind of problem it is.");
-  t.choice("plane", &Case::plane,
-           std::vector<std::pair<std::string, Plane>>{{"strain", Plane::strain}, {"stress", Plane::stress}},
-           "plane strain or plane stress");
+  t.custom(
+      dimension_info(),
+      [](Scope& s, Node::Entry&, Case& c) { c.space = s.dimension() == 3 ? Space::solid : Space::plane_strain; },
+      [](Case&, int dimension) { return std::optional<Node>(Node(std::int64_t{dimension})); });
+  t.choice(
+      "plane", &Case::space,
+      Words<Space>{
+          {"strain", Space::plane_strain}, {"stress", Space::plane_stress}, {"axisymmetric", Space::axisymmetric}},
+      "plane strain, plane stress, or turned about the y axis: x is the radius, not negative, and loads are those of "
+      "the full circle");
+  t.only_in_plane();
   t.choice(
       "kinematics", &Case::kinematics,
       std::vector<std::pair<std::string, Kinematics>>{{"finite", Kinematics::finite}, {"small", Kinematics::small}},
@@ -22,44 +41,48 @@ Table<Case> model_table() {
            "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
            "that crack but hardly move (method \"mpm\")");
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
-  t.pair("gravity", &Case::gravity, Unit::acceleration, "at time 1, linear in time");
+  t.only([](const Scope&, const Case& c) { return c.space == Space::plane_strain || c.space == Space::plane_stress; },
+         "in plane strain and plane stress");
+  t.vector("gravity", &Case::gravity, Unit::acceleration, "at time 1, linear in time");
   return t;
 }
 
 struct GridInput {
   std::string file;
   StructuredGrid structured;
-  std::optional<Vec2> size;
+  std::optional<Vec3> size;
 };
 
+constexpr Range cells_range = {1.0, 100000.0};
+
 void read_cells(Scope& scope, Node::Entry& entry, GridInput& g) {
-  const Node::Array* items = entry.value.array();
-  if (!items || items->size() != 2) return scope.error("cells", "must be an array of two whole numbers");
-  const Range range = {1.0, 100000.0};
-  const auto nx = read_integer(scope, {"cells[0]", (*items)[0].place, (*items)[0]}, range);
-  const auto ny = read_integer(scope, {"cells[1]", (*items)[1].place, (*items)[1]}, range);
-  g.structured.nx = nx.value_or(0);
-  g.structured.ny = ny.value_or(0);
+  const Node::Array* items = read_directions(scope, entry, "whole numbers", "n");
+  if (!items) return;
+  const std::array<int*, 3> counts = {&g.structured.nx, &g.structured.ny, &g.structured.nz};
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const Node::Entry item = {fmt::format("cells[{}]", i), (*items)[i].place, (*items)[i]};
+    *counts[i] = read_integer(scope, item, cells_range).value_or(0);
+  }
 }
 
 void read_cell_size(Scope& scope, Node::Entry& entry, GridInput& g) {
   if (entry.value.array()) {
-    if (const auto pair = read_pair(scope, entry, Unit::length, positive())) g.structured.cell_size = *pair;
+    if (const auto edges = read_vector(scope, entry, Unit::length, positive())) g.structured.cell_size = *edges;
   } else if (const auto edge = read_number(scope, entry, Unit::length, positive())) {
-    g.structured.cell_size = Vec2(*edge, *edge);
+    g.structured.cell_size = Vec3(*edge, *edge, scope.dimension() == 3 ? *edge : 0.0);
   }
 }
 
 KeyInfo cells_info() {
-  KeyInfo info = pair_info("cells", Unit::none, {1.0, 100000.0}, "number of cells along both sides");
-  info.type = "[nx, ny]";
-  info.json.set("items", integer_info("", {1.0, 100000.0}, "").json);
+  KeyInfo info = vector_info("cells", Unit::none, cells_range, "number of cells along the sides");
+  info.type = "[nx, ny(, nz)]";
+  info.json.set("items", integer_info("", cells_range, "").json);
   return info;
 }
 
 KeyInfo cell_size_info() {
-  KeyInfo info = pair_info("cell_size", Unit::length, positive(), "edge of a cell, or both edges; or give `size`");
-  info.type = "number or [dx, dy] [m]";
+  KeyInfo info = vector_info("cell_size", Unit::length, positive(), "edge of a cell, or all its edges; or give `size`");
+  info.type = "number or [dx, dy(, dz)] [m]";
   Node either;
   either.set("anyOf", Node(Node::Array{number_info("", Unit::length, positive(), "").json, info.json}));
   info.json = std::move(either);
@@ -69,31 +92,35 @@ KeyInfo cell_size_info() {
 void check_grid(Scope& scope, GridInput& g) {
   if (scope.has("file")) return;
   scope.exactly_one({"cell_size", "size"});
-  if (g.size) g.structured.cell_size = g.size->cwiseQuotient(Vec2(g.structured.nx, g.structured.ny));
+  const StructuredGrid& s = g.structured;
+  if (g.size) g.structured.cell_size = g.size->cwiseQuotient(Vec3(s.nx, s.ny, std::max(s.nz, 1)));
 }
 
 const Table<GridInput>& grid_table() {
   static const Table<GridInput> table = [] {
-    const std::vector<std::pair<std::string, GridKind>> kinds = {{"quads", GridKind::quads},
-                                                                 {"triangles_right", GridKind::triangles_right},
-                                                                 {"triangles_left", GridKind::triangles_left},
-                                                                 {"union_jack", GridKind::union_jack}};
+    const WordsByDimension<GridKind> kinds = {
+        {{"quads", GridKind::quads},
+         {"triangles_right", GridKind::triangles_right},
+         {"triangles_left", GridKind::triangles_left},
+         {"union_jack", GridKind::union_jack}},
+        {{"hexahedra", GridKind::hexahedra}, {"tetrahedra", GridKind::tetrahedra}}};
     Table<GridInput> t("Background grid (method \"mpm\"): regular, or a Gmsh mesh of linear cells.");
     t.file("file", &GridInput::file, "Gmsh mesh (.msh 2.2 or 4.1)");
     t.choice(
-         "kind", [](GridInput & g) -> auto& { return g.structured.kind; }, kinds, "cells, or how each is halved")
+         "kind", [](GridInput & g) -> auto& { return g.structured.kind; }, kinds,
+         "cells, or how each is halved; tetrahedra: six a cell")
         .only_without("file");
-    t.pair(
+    t.vector(
          "origin", [](GridInput & g) -> auto& { return g.structured.origin; }, Unit::length,
-         "lower left corner, before the rotation")
+         "lower left corner (in space: lowest one), before the rotation")
         .only_without("file");
     t.custom(cells_info(), read_cells).required().only_without("file");
     t.custom(cell_size_info(), read_cell_size).only_without("file");
-    t.pair("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
+    t.vector("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
         .only_without("file");
     t.number(
          "angle", [](GridInput & g) -> auto& { return g.structured.angle; }, Unit::angle, {},
-         "counter-clockwise rotation about the origin")
+         "counter-clockwise rotation about the origin; in space about the z axis")
         .only_without("file");
     t.check(check_grid);
     return t;
@@ -151,12 +178,24 @@ Table<Case> make_case_table() {
   t.table("steps", &Case::steps, steps_table());
   t.table("solver", &Case::solver, solver_table());
   t.table("output", &Case::output, output_table());
+  t.table("checkpoint", &Case::checkpoint, checkpoint_table());
+  t.table("parallel", &Case::parallel, parallel_table());
   t.named("gauge", outputs(&Output::gauges), gauge_table());
   t.named("probe", outputs(&Output::probes), probe_table());
   return t;
 }
 
 }  // namespace
+
+void check_dimension(const Scope& root) {
+  Node::Entry* model = root.node.find("model");
+  const Node::Entry* entry = model ? model->value.find("dimension") : nullptr;
+  if (!entry) return;
+  const Scope scope = *root.child(*model);
+  const auto dimension = read_integer(scope, *entry, {});
+  if (dimension && *dimension != 2 && *dimension != 3)
+    scope.error("dimension", fmt::format("must be 2 or 3, is {}", *dimension));
+}
 
 const Table<Case>& case_table() {
   static const Table<Case> table = make_case_table();

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "base/error.hpp"
 #include "case/tables.hpp"
 
 namespace berm {
@@ -32,6 +34,7 @@ public:
     check_control();
     check_nominal();
     check_groups();
+    check_radii();
   }
 
 private:
@@ -75,7 +78,8 @@ private:
       scope.missing("points.per_element", "Gauss points of an element of the file; e.g. points = { per_element = 4 }");
     }
     if (c_.method == Method::fem && body.shape && !scope.has("mesh")) {
-      scope.missing("mesh", "method \"fem\" meshes the body; e.g. mesh = { kind = \"quads\", size = 0.01 }");
+      scope.missing("mesh", fmt::format("method \"fem\" meshes the body; e.g. mesh = {{ kind = \"{}\", size = 0.01 }}",
+                                        c_.dimension() == 2 ? "quads" : "tetrahedra"));
     }
   }
 
@@ -151,6 +155,39 @@ private:
   void check_groups() const {
     for (const NodeBoundary& b : c_.boundaries) check_group(at("boundary", b.name), b.where);
     for (const Pressure& p : c_.pressures) check_group(at("pressure", p.name), p.where);
+  }
+
+  /// Reports a radius smaller than zero, beyond rounding. `scale`: how large what is looked at is.
+  static void check_radius(const Scope& scope, std::string_view key, std::string_view what, double x, double scale) {
+    if (x >= -1e-9 * scale) return;
+    scope.explain(
+        key,
+        fmt::format("the radius x must not be negative in an axisymmetric model; {} reaches x = {:.6g} m", what, x));
+  }
+
+  void check_shape_radius(const Body& body) const {
+    const PlaneShape* shape = body.shape ? std::get_if<PlaneShape>(&*body.shape) : nullptr;
+    if (!shape) return;
+    try {
+      const double x = PlaneRegion(*shape).min().x();
+      check_radius(at("body", body.name), "shape", "the shape", x, largest_coordinate(*shape));
+    } catch (const InputError& error) {  // nothing is left of it, or it cuts itself
+      at("body", body.name).explain("shape", error.what());
+    }
+  }
+
+  void check_radii() const {
+    if (c_.space != Space::axisymmetric) return;
+    for (const Body& body : c_.bodies) check_shape_radius(body);
+    const StructuredGrid* grid = std::get_if<StructuredGrid>(&c_.grid);
+    if (!grid || grid->nx == 0) return;
+    const Vec3 size = grid->cell_size.cwiseProduct(Vec3(grid->nx, grid->ny, 0.0));
+    double x = infinity;
+    for (const Vec3& corner : {Vec3(0.0, 0.0, 0.0), Vec3(size.x(), 0.0, 0.0), Vec3(0.0, size.y(), 0.0), size}) {
+      const Vec3 p = grid->origin + corner;
+      x = std::min(x, std::cos(grid->angle) * p.x() - std::sin(grid->angle) * p.y());
+    }
+    check_radius(at("grid"), "origin", "the grid", x, grid->origin.norm() + size.norm());
   }
 
   const Case& c_;

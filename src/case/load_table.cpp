@@ -1,5 +1,6 @@
 /// Supports and loads: boundaries, pins, pressures, contacts.
 
+#include <array>
 #include <numbers>
 
 #include "case/tables.hpp"
@@ -8,20 +9,21 @@ namespace berm {
 namespace {
 
 Table<Where> where_box_table() {
-  Table<Where> t("Everything inside this rectangle; a missing corner does not limit.");
-  t.pair("min", &Where::min, Unit::length, "lower left corner");
-  t.pair("max", &Where::max, Unit::length, "upper right corner");
+  Table<Where> t("Everything inside this rectangle (in space: box); a missing corner does not limit.");
+  t.vector("min", &Where::min, Unit::length, "lower left corner; in space the lowest one");
+  t.vector("max", &Where::max, Unit::length, "upper right corner; in space the highest one");
   t.check([](Scope& s, Where& w) {
     s.at_least_one({"min", "max"});
-    if (w.min && w.max && !(w.min->array() <= w.max->array()).all())
-      s.error("max", "must lie above and to the right of \"min\"");
+    if (!w.min || !w.max || (w.min->array() <= w.max->array()).all()) return;
+    s.error("max", s.dimension() == 2 ? "must lie above and to the right of \"min\""
+                                      : "must not be smaller than \"min\" in any direction");
   });
   return t;
 }
 
 Table<Where::Sector> sector_table() {
   using Sector = Where::Sector;
-  Table<Sector> t("Everything between two directions seen from a centre.");
+  Table<Sector> t("Everything between two directions seen from a centre; in space seen against the z axis, at any z.");
   t.pair("centre", &Sector::centre, Unit::length, "from where the angles are seen").required();
   t.number("from", &Sector::from, Unit::angle, {}, "first direction, counter-clockwise from the x axis").required();
   t.number("to", &Sector::to, Unit::angle, {}, "last direction, larger than `from`, by 360 degrees at most").required();
@@ -39,47 +41,59 @@ Table<Where> where_table() {
   t.table(
        "box", [](Where& w) -> Where& { return w; }, where_box_table())
       .no_default();
-  t.string("group", &Where::group, "name of a physical curve",
+  t.string("group", &Where::group, "name of a physical curve (in space: surface)",
            "nodes of that curve of the Gmsh file of the grid or body");
   t.table("sector", &Where::sector, sector_table());
   t.check([](Scope& s, Where&) { s.at_least_one({"box", "group", "sector"}); });
   return t;
 }
 
-void read_fix(Scope& scope, Node::Entry& entry, Pin& pin) {
-  const auto i = read_choice(scope, entry, {"x", "y", "xy"});
-  if (!i) return;
-  pin.x = *i != 1;
-  pin.y = *i != 0;
+using Fixed = std::array<bool, 3>;
+const WordsByDimension<Fixed> held_directions = {{{"x", {true, false, false}},  //
+                                                  {"y", {false, true, false}},
+                                                  {"xy", {true, true, false}}},
+                                                 {{"x", {true, false, false}},
+                                                  {"y", {false, true, false}},
+                                                  {"xy", {true, true, false}},
+                                                  {"z", {false, false, true}},
+                                                  {"xz", {true, false, true}},
+                                                  {"yz", {false, true, true}},
+                                                  {"xyz", {true, true, true}}}};
+
+/// The displacement along an axis.
+auto component(std::size_t i) {
+  return [i](NodeBoundary & b) -> auto& { return b.u[i]; };
 }
 
 }  // namespace
 
 Table<NodeBoundary> boundary_table() {
   Table<NodeBoundary> t(
-      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux` and `uy`.");
+      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`.");
   t.table("where", &NodeBoundary::where, where_table()).required();
-  t.number("ux", &NodeBoundary::ux, Unit::length, {},
-           "displacement along x at time 1, linear in time; free without it");
-  t.number("uy", &NodeBoundary::uy, Unit::length, {},
-           "displacement along y at time 1, linear in time; free without it");
-  t.check([](Scope& s, NodeBoundary&) { s.at_least_one({"ux", "uy"}); });
+  t.number("ux", component(0), Unit::length, {}, "displacement along x at time 1, linear in time; free without it");
+  t.number("uy", component(1), Unit::length, {}, "displacement along y at time 1, linear in time; free without it");
+  t.number("uz", component(2), Unit::length, {}, "displacement along z at time 1, linear in time; free without it");
+  t.only_in_space();
+  t.check([](Scope& s, NodeBoundary&) {
+    if (s.dimension() == 2) return s.at_least_one({"ux", "uy"});
+    s.at_least_one({"ux", "uy", "uz"});
+  });
   return t;
 }
 
 Table<Pin> pin_table() {
   Table<Pin> t("Holds a material point inside a body, to stop rigid motion where no boundary does.");
   t.string("body", &Pin::body, "name of a deformable body", "whose point").required();
-  t.pair("at", &Pin::at, Unit::length, "reference position").required();
-  t.custom(choice_info("fix", {"x", "y", "xy"}, "held directions"), read_fix).required();
+  t.vector("at", &Pin::at, Unit::length, "reference position").required();
+  t.choice("fix", &Pin::fixed, held_directions, "held directions").required();
   return t;
 }
 
 Table<Pressure> pressure_table() {
   Table<Pressure> t(
       "Pressure on the surface of a body. The loaded points move with the material; direction and area are those of "
-      "the "
-      "reference state.");
+      "the reference state.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.number("value", &Pressure::value, Unit::stress, {}, "at time 1, linear in time; positive pushes into the body")

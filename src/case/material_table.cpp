@@ -37,7 +37,8 @@ void read_crack_band(Scope& scope, Node::Entry& entry, Material& m) {
 KeyInfo crack_band_info() {
   KeyInfo info =
       plain_info("crack_band", "\"sqrt_area\", \"equal_circle\" or number [m]", "string",
-                 "crack-band length of a cell: root of its area, diameter of the circle of its area, or this length");
+                 "crack-band length of a cell: edge of the square (in space: cube) that it is a part of, diameter of "
+                 "the circle (sphere) of its size, or this length");
   Node either;
   either.set("anyOf", Node(Node::Array{choice_info("", {"sqrt_area", "equal_circle"}, "").json,
                                        number_info("", Unit::length, positive(), "").json}));
@@ -50,7 +51,7 @@ Table<Material> common_table() {
   t.custom(choice_info("law", law_names(), "constitutive law"), [](Scope&, Node::Entry&, Material&) {}).required();
   t.number("density", &Material::density, Unit::density, positive(), "mass per reference volume").required();
   t.custom(crack_band_info(), read_crack_band,
-           [](Material&) { return std::optional<Node>(Node(std::string("sqrt_area"))); });
+           [](Material&, int) { return std::optional<Node>(Node(std::string("sqrt_area"))); });
   return t;
 }
 
@@ -69,7 +70,7 @@ Table<Material> material_table() {
         [=](Scope& s, Node::Entry& e, Material& m) {
           if (const auto v = read_number(s, e, p.unit, p.range)) value(m) = *v;
         },
-        [=](Material&) { return number_node(p.default_value, p.unit); });
+        [=](Material&, int) { return number_node(p.default_value, p.unit); });
     if (!p.default_value) t.required();
   }
   t.check([](Scope& s, Material& m) {

@@ -17,6 +17,8 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   Case c;
   c.file = path;
   Scope scope{problems, root, "", {path, "", 0, 0}};
+  check_dimension(scope);
+  problems.throw_if_any(path);
   case_table().read(scope, c);
   check_case(c, root, problems);
   problems.throw_if_any(path);

@@ -10,7 +10,7 @@ Table<Nominal> nominal_table() {
   t.string("load", &Nominal::load, "name of a rigid body, boundary or pressure", "whose reaction is the load");
   t.string("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
            "whose motion is the imposed displacement");
-  t.pair("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
+  t.vector("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
   t.number("area", &Nominal::area, Unit::none, positive(), "nominal stress = load / area [m2]");
   t.number("length", &Nominal::length, Unit::length, positive(), "nominal strain = displacement / length");
   t.check([](Scope& s, Nominal& n) {
@@ -29,9 +29,10 @@ Table<Control> control_table() {
   using Kind = Control::Kind;
   const auto by_gauge = [](const Scope&, const Control& c) { return c.kind == Kind::gauge; };
   Table<Control> t("What grows linearly in time from 0 to 1.");
-  t.choice(
-      "kind", &Control::kind, std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
-      "time: displacements and loads; gauge: the change of a gauge, while all pressures are scaled by an unknown factor");
+  t.choice("kind", &Control::kind,
+           std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
+           "time: displacements and loads; gauge: the change of a gauge, while all pressures are scaled by an unknown "
+           "factor");
   t.string("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
       .required()
       .only(by_gauge, "with kind = \"gauge\"");
@@ -78,6 +79,13 @@ Table<Solver> solver_table() {
   t.boolean("line_search", &Solver::line_search, "shorten Newton steps that do not reduce the residual");
   t.number("ghost_penalty", &Solver::ghost_penalty, Unit::none, non_negative(),
            "stabilisation of barely filled cells in units of Young's modulus; 0 switches it off");
+  using Linear = Solver::Linear;
+  t.choice(
+      "linear", &Solver::linear,
+      Words<Linear>{{"automatic", Linear::automatic}, {"direct", Linear::direct}, {"iterative", Linear::iterative}},
+      "how linear systems are solved; automatic: directly in the plane, iteratively if large in space");
+  t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
+           "iterative: residual over right-hand side");
   t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
   return t;
 }
@@ -96,10 +104,26 @@ Table<Output> output_table() {
   return t;
 }
 
+Table<Checkpoint> checkpoint_table() {
+  Table<Checkpoint> t(
+      "When the state is saved, so that a run can go on after an end of any kind; never if both are 0.");
+  t.integer("every_steps", &Checkpoint::every_steps, {0.0}, "steps between checkpoints; 0: by time alone");
+  t.number("every_minutes", &Checkpoint::every_minutes, Unit::none, non_negative(),
+           "wall-clock minutes between checkpoints; 0: by steps alone");
+  return t;
+}
+
+Table<Parallel> parallel_table() {
+  Table<Parallel> t("How the cells are shared out among the processes.");
+  t.number("rebalance", &Parallel::rebalance, Unit::none, {1.0, infinity, true, false},
+           "load of the busiest process over the mean at which the cells are shared out anew");
+  return t;
+}
+
 Table<Gauge> gauge_table() {
   Table<Gauge> t("Change of the distance between two material points, along the line that joins them at the start.");
-  t.pair("from", &Gauge::from, Unit::length, "reference position of the first point").required();
-  t.pair("to", &Gauge::to, Unit::length, "reference position of the second point").required();
+  t.vector("from", &Gauge::from, Unit::length, "reference position of the first point").required();
+  t.vector("to", &Gauge::to, Unit::length, "reference position of the second point").required();
   t.check([](Scope& s, Gauge& gauge) {
     if (gauge.from == gauge.to) s.error("to", "must differ from \"from\"");
   });
@@ -108,14 +132,23 @@ Table<Gauge> gauge_table() {
 
 Table<Probe> probe_table() {
   using Q = Quantity;
-  const std::vector<std::pair<std::string, Q>> quantities = {
-      {"stress_xx", Q::stress_xx}, {"stress_yy", Q::stress_yy},           {"stress_zz", Q::stress_zz},
-      {"stress_xy", Q::stress_xy}, {"strain_xx", Q::strain_xx},           {"strain_yy", Q::strain_yy},
-      {"strain_xy", Q::strain_xy}, {"displacement_x", Q::displacement_x}, {"displacement_y", Q::displacement_y},
-      {"damage", Q::damage}};
+  const Words<Q> plane = {
+      {"stress_xx", Q::stress_xx},           {"stress_yy", Q::stress_yy}, {"stress_zz", Q::stress_zz},
+      {"stress_xy", Q::stress_xy},           {"strain_xx", Q::strain_xx}, {"strain_yy", Q::strain_yy},
+      {"strain_zz", Q::strain_zz},           {"strain_xy", Q::strain_xy}, {"displacement_x", Q::displacement_x},
+      {"displacement_y", Q::displacement_y}, {"damage", Q::damage}};
+  WordsByDimension<Q> quantities = {plane, plane};
+  for (const auto& word : Words<Q>{{"stress_yz", Q::stress_yz},
+                                   {"stress_zx", Q::stress_zx},
+                                   {"strain_yz", Q::strain_yz},
+                                   {"strain_zx", Q::strain_zx},
+                                   {"displacement_z", Q::displacement_z}})
+    quantities.solid.push_back(word);
   Table<Probe> t("A quantity at a material point, over the run.");
-  t.pair("at", &Probe::at, Unit::length, "reference position").required();
-  t.choice("quantity", &Probe::quantity, quantities, "what is recorded").required();
+  t.vector("at", &Probe::at, Unit::length, "reference position").required();
+  t.choice("quantity", &Probe::quantity, quantities,
+           "what is recorded; in axisymmetric models zz is the direction around the axis")
+      .required();
   return t;
 }
 

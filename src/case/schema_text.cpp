@@ -18,7 +18,7 @@ std::string cell(std::string text) {
 
 std::string default_cell(const KeyInfo& info) {
   if (info.required) return "required";
-  return info.default_text.empty() ? "" : "`" + info.default_text + "`";
+  return info.default_text;
 }
 
 void write_rows(const std::vector<KeyInfo>& keys, const std::string& prefix, std::string& out) {
@@ -57,6 +57,9 @@ Printed by `berm schema` from the table that parses case files.
 A case is a TOML file. Tables such as `[material.NAME]` may be given many times with names of your own, made of letters,
 digits, `_` and `-`. Unknown keys are errors. Paths are relative to the file that contains them, those of command-line
 overrides to the current folder.
+
+Places and vectors have two numbers, `[x, y]`, in plane and axisymmetric models, and three, `[x, y, z]`, in models in
+space (`dimension = 3` in `[model]`); below they are `[x, y(, z)]`. In axisymmetric models x is the radius and y the axis.
 
 Numbers are in SI units, **angles in degrees**. A string carries its unit: `"35.5 GPa"`, `"20 deg"`, `"5 mm"`.
 

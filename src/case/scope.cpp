@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -24,6 +25,14 @@ void wrong_type(const Scope& scope, const Node::Entry& entry, std::string_view w
 }
 
 }  // namespace
+
+int Scope::dimension() const {
+  if (outer) return outer->dimension();
+  const Node::Entry* model = node.find("model");
+  const Node::Entry* entry = model ? model->value.find("dimension") : nullptr;
+  const std::int64_t* number = entry ? std::get_if<std::int64_t>(&entry->value.value) : nullptr;
+  return number && *number == 3 ? 3 : 2;
+}
 
 std::string Scope::where() const { return path.empty() ? " at the top level" : fmt::format(" in [{}]", path); }
 
@@ -155,6 +164,36 @@ std::optional<Vec2> read_pair(const Scope& scope, const Node::Entry& entry, Unit
   return Vec2(*x, *y);
 }
 
+const Node::Array* read_directions(const Scope& scope, const Node::Entry& entry, std::string_view what,
+                                   std::string_view prefix) {
+  const Node::Array* items = entry.value.array();
+  const std::size_t n = items ? items->size() : 0;
+  if (n == static_cast<std::size_t>(scope.dimension())) return items;
+  std::string wanted;
+  if (scope.dimension() == 3) {
+    wanted = fmt::format("[{0}x, {0}y, {0}z] ([model] dimension = 3)", prefix);
+  } else if (n == 3) {
+    wanted = fmt::format("[{0}x, {0}y]; for three {1} set [model] dimension = 3", prefix, what);
+  } else {
+    wanted = fmt::format("an array of two {}", what);
+  }
+  scope.problems.error(entry.value.place, fmt::format("{} must be {}", an_entry(scope, entry.key), wanted));
+  return nullptr;
+}
+
+std::optional<Vec3> read_vector(const Scope& scope, const Node::Entry& entry, Unit unit, const Range& range) {
+  const Node::Array* items = read_directions(scope, entry, "numbers", "");
+  if (!items) return std::nullopt;
+  Vec3 vector = Vec3::Zero();
+  bool complete = true;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const auto number = read_number(scope, item_entry(entry, i, (*items)[i]), unit, range);
+    complete = complete && number;
+    vector[static_cast<Eigen::Index>(i)] = number.value_or(0.0);
+  }
+  return complete ? std::optional(vector) : std::nullopt;
+}
+
 std::optional<std::vector<Vec2>> read_points(const Scope& scope, const Node::Entry& entry) {
   const Node::Array* items = entry.value.array();
   if (!items) {
@@ -179,6 +218,24 @@ std::optional<std::size_t> read_choice(const Scope& scope, const Node::Entry& en
   }
   scope.problems.error(entry.value.place, fmt::format("{}: unknown value \"{}\"{}", an_entry(scope, entry.key), *word,
                                                       suggestion(*word, names)));
+  return std::nullopt;
+}
+
+std::optional<std::size_t> read_choice(const Scope& scope, const Node::Entry& entry,
+                                       const std::vector<std::string>& plane, const std::vector<std::string>& solid) {
+  const bool in_space = scope.dimension() == 3;
+  const std::vector<std::string>& names = in_space ? solid : plane;
+  const std::vector<std::string>& others = in_space ? plane : solid;
+  const std::string* word = entry.value.string();
+  const auto is_in = [&](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), *word) != list.end();
+  };
+  if (!word || is_in(names) || !is_in(others)) return read_choice(scope, entry, names);
+  scope.problems.error(entry.value.place,
+                       fmt::format("{}: \"{}\" is for {}: {}", an_entry(scope, entry.key), *word,
+                                   in_space ? "the plane ([model] dimension = 2); in space there are"
+                                            : "models in space ([model] dimension = 3); in the plane there are",
+                                   fmt::join(names, ", ")));
   return std::nullopt;
 }
 

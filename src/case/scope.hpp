@@ -21,6 +21,8 @@ struct Scope {
   const Scope* outer = nullptr;  ///< the table that holds this one
 
   bool has(std::string_view key) const { return node.find(key) != nullptr; }
+  /// Numbers that a place has: 3 if the case file says [model] dimension = 3, else 2.
+  int dimension() const;
   /// Error at the key's value, or at the table if the key is absent: `"key" in [path] <text>`.
   void error(std::string_view key, const std::string& text) const;
   /// Error at the key's value: `"key" in [path]: <text>`, for texts that quote the value.
@@ -45,10 +47,19 @@ std::optional<double> read_number(const Scope&, const Node::Entry&, Unit, const 
 std::optional<int> read_integer(const Scope&, const Node::Entry&, const Range&);
 std::optional<bool> read_boolean(const Scope&, const Node::Entry&);
 std::optional<std::string> read_string(const Scope&, const Node::Entry&);
+/// Two numbers, in the plane and in space.
 std::optional<Vec2> read_pair(const Scope&, const Node::Entry&, Unit, const Range& = {});
+/// A number a direction; z = 0 in the plane.
+std::optional<Vec3> read_vector(const Scope&, const Node::Entry&, Unit, const Range& = {});
+/// The items of an array with one item a direction, e.g. [x, y] and [x, y, z]; nullptr after any other number of them.
+/// `what`: "numbers", "whole numbers"; `prefix` of the names of the directions in messages.
+const Node::Array* read_directions(const Scope&, const Node::Entry&, std::string_view what, std::string_view prefix);
 std::optional<std::vector<Vec2>> read_points(const Scope&, const Node::Entry&);
 /// Index into `names`.
 std::optional<std::size_t> read_choice(const Scope&, const Node::Entry&, const std::vector<std::string>& names);
+/// The same where plane models and models in space have words of their own: index into those of this model.
+std::optional<std::size_t> read_choice(const Scope&, const Node::Entry&, const std::vector<std::string>& plane,
+                                       const std::vector<std::string>& solid);
 /// An absolute path, resolved against the folder of the file that holds the entry; written back into the entry.
 /// A file that does not exist is an error, or a warning if it is not `needed`.
 std::optional<std::string> read_file(const Scope&, Node::Entry&, bool needed);

@@ -1,4 +1,4 @@
-/// Shapes of bodies: boxes, discs, polygons, their unions and differences.
+/// Shapes of bodies: plane and solid primitives, their unions and differences, surfaces from files.
 
 #include <fmt/format.h>
 
@@ -7,25 +7,38 @@
 #include <type_traits>
 
 #include "case/tables.hpp"
+#include "mesh/surface.hpp"
 
 namespace berm {
 namespace {
 
-struct ShapeInput {
-  std::optional<Box> box;
-  std::optional<Disc> disc;
-  std::vector<Vec2> polygon;
-  std::vector<PlaneShape> join, difference;
+struct BoxInput {
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
 };
 
-std::optional<PlaneShape> shape_of(Scope& scope);
+struct ShapeInput {
+  bool is_part = false;  ///< of a union or difference
+  std::optional<BoxInput> box;
+  std::optional<Disc> disc;
+  std::vector<Vec2> polygon;
+  std::optional<Cylinder> cylinder;
+  std::optional<Sphere> sphere;
+  std::optional<Extrusion> extrusion;
+  std::string surface;
+  std::vector<Shape> join, difference;
+};
 
-Table<Box> box_table() {
-  Table<Box> t("Rectangle along the axes.");
-  t.pair("min", &Box::min, Unit::length, "lower left corner").required();
-  t.pair("max", &Box::max, Unit::length, "upper right corner").required();
-  t.check([](Scope& scope, Box& box) {
-    if (!(box.min.array() < box.max.array()).all()) scope.error("max", "must lie above and to the right of \"min\"");
+std::optional<Shape> shape_of(Scope& scope, bool is_part);
+
+Table<BoxInput> box_table() {
+  Table<BoxInput> t("Rectangle along the axes; in space a box.");
+  t.vector("min", &BoxInput::min, Unit::length, "lower left corner; in space the lowest one").required();
+  t.vector("max", &BoxInput::max, Unit::length, "upper right corner; in space the highest one").required();
+  t.check([](Scope& scope, BoxInput& box) {
+    const int n = scope.dimension();
+    if ((box.min.head(n).array() < box.max.head(n).array()).all()) return;
+    scope.error("max", n == 2 ? "must lie above and to the right of \"min\""
+                              : "must be larger than \"min\" in every direction");
   });
   return t;
 }
@@ -34,6 +47,24 @@ Table<Disc> disc_table() {
   Table<Disc> t("Full disc.");
   t.pair("centre", &Disc::centre, Unit::length, "centre").required();
   t.number("radius", &Disc::radius, Unit::length, positive(), "radius").required();
+  return t;
+}
+
+Table<Cylinder> cylinder_table() {
+  Table<Cylinder> t("Full straight cylinder about any axis.");
+  t.vector("from", &Cylinder::from, Unit::length, "centre of one flat face").required();
+  t.vector("to", &Cylinder::to, Unit::length, "centre of the other").required();
+  t.number("radius", &Cylinder::radius, Unit::length, positive(), "radius").required();
+  t.check([](Scope& scope, Cylinder& c) {
+    if (c.from == c.to) scope.error("to", "must differ from \"from\": the cylinder has no length");
+  });
+  return t;
+}
+
+Table<Sphere> sphere_table() {
+  Table<Sphere> t("Full sphere.");
+  t.vector("centre", &Sphere::centre, Unit::length, "centre").required();
+  t.number("radius", &Sphere::radius, Unit::length, positive(), "radius").required();
   return t;
 }
 
@@ -46,7 +77,7 @@ double polygon_area(const std::vector<Vec2>& vertices) {
   return std::abs(twice) / 2;
 }
 
-void read_polygon(Scope& scope, Node::Entry& entry, ShapeInput& input) {
+void read_polygon(const Scope& scope, const Node::Entry& entry, std::vector<Vec2>& vertices) {
   const auto points = read_points(scope, entry);
   if (!points) return;
   if (points->size() < 3) {
@@ -54,10 +85,38 @@ void read_polygon(Scope& scope, Node::Entry& entry, ShapeInput& input) {
   } else if (polygon_area(*points) == 0.0) {
     scope.error("polygon", "has no area");
   }
-  input.polygon = *points;
+  vertices = *points;
 }
 
-void read_parts(const Scope& scope, Node::Entry& entry, std::vector<PlaneShape>& parts) {
+KeyInfo polygon_info() {
+  KeyInfo info = plain_info("polygon", "array of [x, y] [m]", "array",
+                            "vertices of a simple polygon, either way round, at least 3");
+  info.json.set("items", pair_info("", Unit::length, {}, "").json);
+  return info;
+}
+
+Table<Extrusion> extrusion_table() {
+  Table<Extrusion> t("A polygon of the x-y plane drawn along z.");
+  t.custom(polygon_info(), [](Scope& s, Node::Entry& e, Extrusion& x) { read_polygon(s, e, x.vertices); }).required();
+  t.number("from", &Extrusion::from, Unit::length, {}, "z of the lower flat face").required();
+  t.number("to", &Extrusion::to, Unit::length, {}, "z of the upper flat face").required();
+  t.check([](Scope& scope, Extrusion& x) {
+    if (x.to <= x.from) scope.error("to", "must be larger than \"from\"");
+  });
+  return t;
+}
+
+void read_surface(const Scope& scope, Node::Entry& entry, ShapeInput& input) {
+  if (input.is_part) {
+    scope.error("surface",
+                "cannot be a part of a union or difference: an STL surface stands alone (combine the parts "
+                "in the program that made it)");
+  } else if (const auto path = read_file(scope, entry, true)) {
+    input.surface = *path;
+  }
+}
+
+void read_parts(const Scope& scope, Node::Entry& entry, std::vector<Shape>& parts) {
   Node::Array* items = entry.value.array();
   if (!items || items->size() < 2) {
     scope.error(entry.key, "must be an array of at least two shapes");
@@ -67,7 +126,7 @@ void read_parts(const Scope& scope, Node::Entry& entry, std::vector<PlaneShape>&
     Node::Entry item{fmt::format("{}[{}]", entry.key, i), (*items)[i].place, std::move((*items)[i])};
     auto child = scope.child(item);
     if (child) {
-      if (auto part = shape_of(*child)) parts.push_back(std::move(*part));
+      if (auto part = shape_of(*child, true)) parts.push_back(std::move(*part));
     }
     (*items)[i] = std::move(item.value);
   }
@@ -81,11 +140,9 @@ KeyInfo parts_info(const std::string& key, const std::string& doc) {
   return info;
 }
 
-KeyInfo polygon_info() {
-  KeyInfo info = plain_info("polygon", "array of [x, y] [m]", "array",
-                            "vertices of a simple polygon, either way round, at least 3");
-  info.json.set("items", pair_info("", Unit::length, {}, "").json);
-  return info;
+void check_forms(const Scope& scope) {
+  if (scope.dimension() == 2) return scope.exactly_one({"box", "disc", "polygon", "union", "difference"});
+  scope.exactly_one({"box", "cylinder", "sphere", "extrusion", "surface", "union", "difference"});
 }
 
 const Table<ShapeInput>& shape_table() {
@@ -93,27 +150,105 @@ const Table<ShapeInput>& shape_table() {
     Table<ShapeInput> t("Exactly one of these forms.");
     t.table("box", &ShapeInput::box, box_table());
     t.table("disc", &ShapeInput::disc, disc_table());
-    t.custom(polygon_info(), read_polygon);
+    t.only_in_plane("; in space take \"cylinder\" or \"sphere\"");
+    t.custom(polygon_info(), [](Scope& s, Node::Entry& e, ShapeInput& in) { read_polygon(s, e, in.polygon); });
+    t.only_in_plane("; in space take \"extrusion\"");
+    t.table("cylinder", &ShapeInput::cylinder, cylinder_table());
+    t.only_in_space("; in the plane take \"disc\" or \"box\"");
+    t.table("sphere", &ShapeInput::sphere, sphere_table()).only_in_space("; in the plane take \"disc\"");
+    t.table("extrusion", &ShapeInput::extrusion, extrusion_table());
+    t.only_in_space("; in the plane take \"polygon\"");
+    t.custom(plain_info("surface", "file", "string", "closed surface of triangles (STL), alone, not a part of others"),
+             read_surface);
+    t.only_in_space("; in the plane take \"polygon\", or a mesh with \"file\"");
     t.custom(parts_info("union", "all of these shapes together"),
              [](Scope& s, Node::Entry& e, ShapeInput& in) { read_parts(s, e, in.join); });
     t.custom(parts_info("difference", "the first of these shapes without the others"),
              [](Scope& s, Node::Entry& e, ShapeInput& in) { read_parts(s, e, in.difference); });
-    t.check([](Scope& s, ShapeInput&) { s.exactly_one({"box", "disc", "polygon", "union", "difference"}); });
+    t.check([](Scope& s, ShapeInput&) { check_forms(s); });
     return t;
   }();
   return table;
 }
 
-std::optional<PlaneShape> shape_of(Scope& scope) {
+/// The parts, all of them plane or all of them solid.
+template <class S>
+std::vector<S> parts_as(const std::vector<Shape>& parts) {
+  std::vector<S> same;
+  for (const Shape& part : parts) same.push_back(std::get<S>(part));
+  return same;
+}
+
+PlaneShape plane_shape(const ShapeInput& in) {
+  if (in.box) return {Box{in_plane(in.box->min), in_plane(in.box->max)}};
+  if (in.disc) return {*in.disc};
+  if (!in.polygon.empty()) return {Polygon{in.polygon}};
+  if (!in.join.empty()) return {Combination{Combination::Kind::join, parts_as<PlaneShape>(in.join)}};
+  return {Combination{Combination::Kind::difference, parts_as<PlaneShape>(in.difference)}};
+}
+
+SolidShape solid_shape(const ShapeInput& in) {
+  using Kind = SolidCombination::Kind;
+  if (in.box) return {SolidBox{in.box->min, in.box->max}};
+  if (in.cylinder) return {*in.cylinder};
+  if (in.sphere) return {*in.sphere};
+  if (in.extrusion) return {*in.extrusion};
+  if (!in.surface.empty()) return {SurfaceFile{in.surface}};
+  if (!in.join.empty()) return {SolidCombination{Kind::join, parts_as<SolidShape>(in.join)}};
+  return {SolidCombination{Kind::difference, parts_as<SolidShape>(in.difference)}};
+}
+
+std::optional<Shape> shape_of(Scope& scope, bool is_part) {
   const std::size_t errors_before = scope.problems.count();
   ShapeInput in;
+  in.is_part = is_part;
   shape_table().read(scope, in);
   if (scope.problems.count() != errors_before) return std::nullopt;
-  if (in.box) return PlaneShape{*in.box};
-  if (in.disc) return PlaneShape{*in.disc};
-  if (!in.polygon.empty()) return PlaneShape{Polygon{in.polygon}};
-  if (!in.join.empty()) return PlaneShape{Combination{Combination::Kind::join, in.join}};
-  return PlaneShape{Combination{Combination::Kind::difference, in.difference}};
+  if (scope.dimension() == 2) return plane_shape(in);
+  return solid_shape(in);
+}
+
+template <class V>
+double largest(const V& x) {
+  return x.cwiseAbs().maxCoeff();
+}
+double reach(const PlaneShape& shape);
+double reach(const SolidShape& shape);
+
+double reach(const Box& box) { return std::max(largest(box.min), largest(box.max)); }
+double reach(const Disc& disc) { return largest(disc.centre) + disc.radius; }
+double reach(const Polygon& polygon) {
+  double most = 0.0;
+  for (const Vec2& vertex : polygon.vertices) most = std::max(most, largest(vertex));
+  return most;
+}
+double reach(const SolidBox& box) { return std::max(largest(box.min), largest(box.max)); }
+double reach(const Cylinder& cylinder) {
+  const Vec3 axis = (cylinder.to - cylinder.from).normalized();
+  const Vec3 across = cylinder.radius * (1.0 - axis.array().square()).max(0.0).sqrt().matrix();
+  return largest(cylinder.from.cwiseAbs().cwiseMax(cylinder.to.cwiseAbs()) + across);
+}
+double reach(const Sphere& sphere) { return largest(sphere.centre) + sphere.radius; }
+double reach(const Extrusion& extrusion) {
+  const double flat = std::max(std::abs(extrusion.from), std::abs(extrusion.to));
+  return std::max(flat, reach(Polygon{extrusion.vertices}));
+}
+double reach(const SurfaceFile& file) {
+  const TriangleSurface surface = read_stl(file.path);
+  return std::max(largest(low_corner(surface)), largest(high_corner(surface)));
+}
+template <class C>
+requires std::is_same_v<C, Combination> || std::is_same_v<C, SolidCombination>
+double reach(const C& combination) {
+  double most = 0.0;
+  for (const auto& part : combination.parts) most = std::max(most, reach(part));
+  return most;
+}
+double reach(const PlaneShape& shape) {
+  return std::visit([](const auto& form) { return reach(form); }, shape.form);
+}
+double reach(const SolidShape& shape) {
+  return std::visit([](const auto& form) { return reach(form); }, shape.form);
 }
 
 }  // namespace
@@ -130,25 +265,11 @@ KeyInfo shape_info() {
 
 void read_shape(Scope& scope, Node::Entry& entry, Body& body) {
   auto child = scope.child(entry);
-  if (child) body.shape = shape_of(*child);
+  if (child) body.shape = shape_of(*child, false);
 }
 
-double largest_coordinate(const PlaneShape& shape) {
-  const auto of = [](const auto& form) {
-    using Form = std::decay_t<decltype(form)>;
-    double largest = 0.0;
-    if constexpr (std::is_same_v<Form, Box>) {
-      largest = std::max(form.min.cwiseAbs().maxCoeff(), form.max.cwiseAbs().maxCoeff());
-    } else if constexpr (std::is_same_v<Form, Disc>) {
-      largest = form.centre.cwiseAbs().maxCoeff() + form.radius;
-    } else if constexpr (std::is_same_v<Form, Polygon>) {
-      for (const Vec2& vertex : form.vertices) largest = std::max(largest, vertex.cwiseAbs().maxCoeff());
-    } else {
-      for (const PlaneShape& part : form.parts) largest = std::max(largest, largest_coordinate(part));
-    }
-    return largest;
-  };
-  return std::visit(of, shape.form);
+double largest_coordinate(const Shape& shape) {
+  return std::visit([](const auto& form) { return reach(form); }, shape);
 }
 
 }  // namespace berm

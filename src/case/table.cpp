@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "case/units.hpp"
 
@@ -51,6 +54,22 @@ KeyInfo make_info(const std::string& key, const std::string& type, Node json, co
   return info;
 }
 
+/// An array of two numbers, or of up to `most`.
+KeyInfo array_info(const std::string& key, const std::string& form, int most, Unit unit, const Range& range,
+                   const std::string& doc) {
+  Node json = typed("array");
+  json.set("items", number_schema(unit, range));
+  json.set("minItems", Node(std::int64_t{2}));
+  json.set("maxItems", Node(std::int64_t{most}));
+  KeyInfo info = make_info(key, form + bracketed(unit), std::move(json), doc);
+  info.range = range_text(range, unit);
+  return info;
+}
+
+std::string quoted_list(const std::vector<std::string>& names) {
+  return fmt::format("\"{}\"", fmt::join(names, "\", \""));
+}
+
 }  // namespace
 
 KeyInfo number_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
@@ -67,19 +86,31 @@ KeyInfo integer_info(const std::string& key, const Range& range, const std::stri
 }
 
 KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
-  Node json = typed("array");
-  json.set("items", number_schema(unit, range));
-  json.set("minItems", Node(std::int64_t{2}));
-  json.set("maxItems", Node(std::int64_t{2}));
-  KeyInfo info = make_info(key, "[x, y]" + bracketed(unit), std::move(json), doc);
-  info.range = range_text(range, unit);
-  return info;
+  return array_info(key, "[x, y]", 2, unit, range, doc);
+}
+
+KeyInfo vector_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
+  return array_info(key, "[x, y(, z)]", 3, unit, range, doc);
 }
 
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc) {
   Node json;
   json.set("enum", words(names));
-  return make_info(key, fmt::format("\"{}\"", fmt::join(names, "\", \"")), std::move(json), doc);
+  return make_info(key, quoted_list(names), std::move(json), doc);
+}
+
+KeyInfo choice_info(const std::string& key, const std::vector<std::string>& plane,
+                    const std::vector<std::string>& solid, const std::string& doc) {
+  const auto in_plane = [&](const std::string& name) {
+    return std::find(plane.begin(), plane.end(), name) != plane.end();
+  };
+  std::vector<std::string> all = plane, more;
+  std::copy_if(solid.begin(), solid.end(), std::back_inserter(more), std::not_fn(in_plane));
+  all.insert(all.end(), more.begin(), more.end());
+  KeyInfo info = choice_info(key, all, doc);
+  info.type = fmt::format("{}; in space {}{}", quoted_list(plane), more.size() < solid.size() ? "also " : "",
+                          quoted_list(more));
+  return info;
 }
 
 KeyInfo plain_info(const std::string& key, const std::string& type, const std::string& json_type,
@@ -127,19 +158,30 @@ std::optional<Node> number_node(const std::optional<double>& value, Unit unit) {
   return value ? number_node(*value, unit) : std::nullopt;
 }
 
-std::optional<Node> pair_to_node(const Vec2& value, Unit unit) {
+std::optional<Node> vector_node(const Vec2& value, Unit unit, int) {
   return pair_node(value.x() / file_factor(unit), value.y() / file_factor(unit));
 }
 
-std::optional<Node> pair_to_node(const std::optional<Vec2>& value, Unit unit) {
-  return value ? pair_to_node(*value, unit) : std::nullopt;
+std::optional<Node> vector_node(const Vec3& value, Unit unit, int dimension) {
+  Node::Array items;
+  for (int i = 0; i < dimension; ++i) items.emplace_back(value[i] / file_factor(unit));
+  return Node(std::move(items));
 }
 
-std::string default_text(const Node& node) {
-  Node wrapped;
-  wrapped.set("x", node);
-  const std::string text = write_toml(wrapped);  // "x = ...\n"
-  return text.substr(4, text.size() - 5);
+std::optional<Node> vector_node(const std::optional<Vec3>& value, Unit unit, int dimension) {
+  return value ? vector_node(*value, unit, dimension) : std::nullopt;
+}
+
+std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid) {
+  const auto text_of = [](const std::optional<Node>& node) -> std::string {
+    if (!node) return "";
+    Node wrapped;
+    wrapped.set("x", *node);
+    const std::string text = write_toml(wrapped);  // "x = ...\n"
+    return "`" + text.substr(4, text.size() - 5) + "`";
+  };
+  const std::string in_plane = text_of(plane), in_space = text_of(solid);
+  return in_plane == in_space ? in_plane : fmt::format("{}; in space {}", in_plane, in_space);
 }
 
 void report_unknown(const Scope& scope, const std::vector<std::string>& valid) {

@@ -29,8 +29,14 @@ struct KeyInfo {
 
 KeyInfo number_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
 KeyInfo integer_info(const std::string& key, const Range& range, const std::string& doc);
+/// Two numbers, in the plane and in space.
 KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
+/// A number a direction.
+KeyInfo vector_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc);
+/// Other words in the plane than in space.
+KeyInfo choice_info(const std::string& key, const std::vector<std::string>& plane,
+                    const std::vector<std::string>& solid, const std::string& doc);
 /// Any key whose value has that JSON type.
 KeyInfo plain_info(const std::string& key, const std::string& type, const std::string& json_type,
                    const std::string& doc);
@@ -40,21 +46,39 @@ Node object_schema(const std::vector<KeyInfo>& keys);
 /// How a default is written in a case file; nothing for values that are unset.
 std::optional<Node> number_node(double value, Unit unit);
 std::optional<Node> number_node(const std::optional<double>& value, Unit unit);
-std::optional<Node> pair_to_node(const Vec2& value, Unit unit);
-std::optional<Node> pair_to_node(const std::optional<Vec2>& value, Unit unit);
-/// Text of a default for the manual.
-std::string default_text(const Node& node);
+std::optional<Node> vector_node(const Vec2& value, Unit unit, int dimension);
+std::optional<Node> vector_node(const Vec3& value, Unit unit, int dimension);
+std::optional<Node> vector_node(const std::optional<Vec3>& value, Unit unit, int dimension);
+/// Text of a default for the manual, in the plane and in space.
+std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid);
 /// Reports the keys of the table that are not in `valid`.
 void report_unknown(const Scope& scope, const std::vector<std::string>& valid);
 
 /// Reports a NAME of [key.NAME] that could not serve as a column or file name.
 void report_bad_name(const Scope& scope, const Node::Entry& entry);
 
+/// The words of a choice and what they stand for.
+template <class E>
+using Words = std::vector<std::pair<std::string, E>>;
+/// Words of which some are for the plane and some for space.
+template <class E>
+struct WordsByDimension {
+  Words<E> plane, solid;
+  const Words<E>& of(int dimension) const { return dimension == 3 ? solid : plane; }
+};
+template <class E>
+std::vector<std::string> names_of(const Words<E>& words) {
+  std::vector<std::string> names;
+  for (const auto& word : words) names.push_back(word.first);
+  return names;
+}
+
 template <class T>
 class Table {
 public:
   using Read = std::function<void(Scope&, Node::Entry&, T&)>;
-  using Default = std::function<std::optional<Node>(T&)>;
+  /// Of a T with its initialisers, in a model of that dimension.
+  using Default = std::function<std::optional<Node>(T&, int dimension)>;
 
   explicit Table(std::string doc) : doc_(std::move(doc)) {}
 
@@ -65,7 +89,7 @@ public:
         [=](Scope& s, Node::Entry& e, T& t) {
           if (const auto v = read_number(s, e, unit, range)) std::invoke(member, t) = *v;
         },
-        [=](T& t) { return number_node(std::invoke(member, t), unit); });
+        [=](T& t, int) { return number_node(std::invoke(member, t), unit); });
   }
 
   template <class M>
@@ -75,7 +99,7 @@ public:
         [=](Scope& s, Node::Entry& e, T& t) {
           if (const auto v = read_integer(s, e, range)) std::invoke(member, t) = *v;
         },
-        [=](T& t) { return std::optional<Node>(Node(std::int64_t{std::invoke(member, t)})); });
+        [=](T& t, int) { return std::optional<Node>(Node(std::int64_t{std::invoke(member, t)})); });
   }
 
   template <class M>
@@ -85,7 +109,7 @@ public:
         [=](Scope& s, Node::Entry& e, T& t) {
           if (const auto v = read_boolean(s, e)) std::invoke(member, t) = *v;
         },
-        [=](T& t) { return std::optional<Node>(Node(bool{std::invoke(member, t)})); });
+        [=](T& t, int) { return std::optional<Node>(Node(bool{std::invoke(member, t)})); });
   }
 
   /// Free text, or the name of something (`type` says of what). Absent by default.
@@ -104,6 +128,7 @@ public:
     });
   }
 
+  /// Two numbers, in the plane and in space: a Vec2.
   template <class M>
   Table& pair(const std::string& key, M member, Unit unit, const std::string& doc, Range range = {}) {
     return add(
@@ -111,25 +136,51 @@ public:
         [=](Scope& s, Node::Entry& e, T& t) {
           if (const auto v = read_pair(s, e, unit, range)) std::invoke(member, t) = *v;
         },
-        [=](T& t) { return pair_to_node(std::invoke(member, t), unit); });
+        [=](T& t, int dimension) { return vector_node(std::invoke(member, t), unit, dimension); });
+  }
+
+  /// As many numbers as the model has dimensions: a Vec3, z = 0 in the plane.
+  template <class M>
+  Table& vector(const std::string& key, M member, Unit unit, const std::string& doc, Range range = {}) {
+    return add(
+        vector_info(key, unit, range, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto v = read_vector(s, e, unit, range)) std::invoke(member, t) = *v;
+        },
+        [=](T& t, int dimension) { return vector_node(std::invoke(member, t), unit, dimension); });
   }
 
   template <class M, class E>
-  Table& choice(const std::string& key, M member, const std::vector<std::pair<std::string, E>>& options,
-                const std::string& doc) {
-    std::vector<std::string> names;
-    for (const auto& option : options) names.push_back(option.first);
+  Table& choice(const std::string& key, M member, const Words<E>& options, const std::string& doc) {
+    const std::vector<std::string> names = names_of(options);
     return add(
         choice_info(key, names, doc),
         [=](Scope& s, Node::Entry& e, T& t) {
           if (const auto i = read_choice(s, e, names)) std::invoke(member, t) = options[*i].second;
         },
-        [=](T& t) -> std::optional<Node> {
+        [=](T& t, int) -> std::optional<Node> {
           for (const auto& [name, value] : options) {
             if (std::invoke(member, t) == value) return Node(name);
           }
           return std::nullopt;
         });
+  }
+
+  /// Other words in the plane than in space; the default is the first one.
+  template <class M, class E>
+  Table& choice(const std::string& key, M member, const WordsByDimension<E>& options, const std::string& doc) {
+    const std::vector<std::string> plane = names_of(options.plane), solid = names_of(options.solid);
+    add(
+        choice_info(key, plane, solid, doc),
+        [=](Scope& s, Node::Entry& e, T& t) {
+          if (const auto i = read_choice(s, e, plane, solid))
+            std::invoke(member, t) = options.of(s.dimension())[*i].second;
+        },
+        [=](T&, int dimension) { return std::optional<Node>(Node(options.of(dimension).front().first)); });
+    fields_.back().absent = [=](const Scope& s, T& t) {
+      std::invoke(member, t) = options.of(s.dimension()).front().second;
+    };
+    return *this;
   }
 
   /// A table in this table. Its defaults hold when it is absent, except for optional members and after `.no_default()`.
@@ -185,6 +236,7 @@ public:
   }
   Table& no_default() {
     fields_.back().fallback = nullptr;
+    fields_.back().absent = nullptr;
     fields_.back().read_absent = false;
     return *this;
   }
@@ -200,6 +252,15 @@ public:
   }
   Table& only_without(const std::string& key) {
     return only([=](const Scope& s, const T&) { return !s.has(key); }, "without \"" + key + "\"");
+  }
+  /// `alternative`: what serves instead, e.g. "; in the plane take \"disc\"".
+  Table& only_in_space(const std::string& alternative = "") {
+    return only([](const Scope& s, const T&) { return s.dimension() == 3; },
+                "in space ([model] dimension = 3)" + alternative);
+  }
+  Table& only_in_plane(const std::string& alternative = "") {
+    return only([](const Scope& s, const T&) { return s.dimension() == 2; },
+                "in the plane ([model] dimension = 2)" + alternative);
   }
 
   /// Runs after all keys have been read without an error; before defaults are written.
@@ -223,8 +284,7 @@ public:
     for (const Field& field : fields_) {
       infos.push_back(field.info);
       T fresh{};
-      const auto node = field.fallback ? field.fallback(fresh) : std::nullopt;
-      if (node) infos.back().default_text = default_text(*node);
+      if (field.fallback) infos.back().default_text = default_text(field.fallback(fresh, 2), field.fallback(fresh, 3));
     }
     return infos;
   }
@@ -235,11 +295,12 @@ private:
     Read read;
     Default fallback;
     std::function<bool(const Scope&, const T&)> condition;
-    bool read_absent = false;  ///< a table that is read as an empty one if it is absent
+    std::function<void(const Scope&, T&)> absent;  ///< sets a default that is not the struct's
+    bool read_absent = false;                      ///< a table that is read as an empty one if it is absent
   };
 
   Table& add(KeyInfo info, Read read, Default fallback) {
-    fields_.push_back({std::move(info), std::move(read), std::move(fallback), nullptr, false});
+    fields_.push_back({std::move(info), std::move(read), std::move(fallback), nullptr, nullptr, false});
     return *this;
   }
 
@@ -263,6 +324,8 @@ private:
       Node::Entry empty{key, scope.place, Node(Node::Object{}, scope.place)};
       field.read(scope, empty, out);
       if (!empty.value.object().empty()) scope.node.set(key, std::move(empty.value));
+    } else if (field.absent && allowed) {
+      field.absent(scope, out);
     }
   }
 
@@ -271,7 +334,7 @@ private:
       if (!field.fallback || scope.has(field.info.key)) continue;
       if (field.condition && !field.condition(scope, out)) continue;
       T fresh{};
-      if (auto node = field.fallback(fresh)) {
+      if (auto node = field.fallback(fresh, scope.dimension())) {
         node->place = scope.place;
         scope.node.set(field.info.key, std::move(*node));
       }

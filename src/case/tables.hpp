@@ -10,8 +10,8 @@ namespace berm {
 KeyInfo shape_info();
 Node shape_schema();
 void read_shape(Scope& scope, Node::Entry& entry, Body& body);
-/// How far the shape reaches from the origin along an axis [m].
-double largest_coordinate(const PlaneShape& shape);
+/// How far the shape reaches from the origin along an axis [m]. Throws InputError if its STL file is wrong.
+double largest_coordinate(const Shape& shape);
 
 // material_table.cpp
 std::vector<KeyInfo> material_keys();
@@ -33,10 +33,14 @@ Table<Control> control_table();
 Table<Steps> steps_table();
 Table<Solver> solver_table();
 Table<Output> output_table();
+Table<Checkpoint> checkpoint_table();
+Table<Parallel> parallel_table();
 Table<Gauge> gauge_table();
 Table<Probe> probe_table();
 
 // case_table.cpp
+/// Reports a [model] dimension other than 2 and 3. Nothing else can be judged before it is right.
+void check_dimension(const Scope& root);
 const Table<Case>& case_table();
 
 // check_case.cpp

@@ -5,9 +5,9 @@
 namespace berm {
 namespace {
 
-Vec2 at(double degrees, double r = 1.0) {
+Vec3 at(double degrees, double r = 1.0, double z = 0.0) {
   const double a = degrees * std::numbers::pi / 180.0;
-  return Vec2(2.0 + r * std::cos(a), 3.0 + r * std::sin(a));
+  return Vec3(2.0 + r * std::cos(a), 3.0 + r * std::sin(a), z);
 }
 
 Where sector(double from, double to) {
@@ -29,11 +29,26 @@ TEST(Where, SectorsAcrossTheCut) {
 
 TEST(Where, BoxAndSectorMustBothHold) {
   Where w = sector(0.0, 90.0);
-  w.min = Vec2(2.5, 3.0);
-  w.max = Vec2(4.0, 4.0);
+  w.min = Vec3(2.5, 3.0, 0.0);
+  w.max = Vec3(4.0, 4.0, 0.0);
   EXPECT_TRUE(inside(w, at(45.0)));
   EXPECT_FALSE(inside(w, at(85.0)));
-  EXPECT_FALSE(inside(w, Vec2(2.6, 2.9)));
+  EXPECT_FALSE(inside(w, Vec3(2.6, 2.9, 0.0)));
+}
+
+TEST(Where, BoxesInSpaceLimitZ) {
+  Where w;
+  w.min = Vec3(0.0, 0.0, 0.0);
+  EXPECT_TRUE(inside(w, Vec3(1.0, 1.0, 5.0)));
+  EXPECT_FALSE(inside(w, Vec3(1.0, 1.0, -0.1)));
+  w.max = Vec3(2.0, 2.0, 2.0);
+  EXPECT_TRUE(inside(w, Vec3(2.0, 2.0, 2.0)));
+  EXPECT_FALSE(inside(w, Vec3(1.0, 1.0, 5.0)));
+}
+
+TEST(Where, SectorsInSpaceAreSeenAgainstZ) {
+  EXPECT_TRUE(inside(sector(80.0, 100.0), at(90.0, 2.0, 7.0)));
+  EXPECT_FALSE(inside(sector(80.0, 100.0), at(79.0, 2.0, -7.0)));
 }
 
 }  // namespace

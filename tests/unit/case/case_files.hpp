@@ -195,4 +195,167 @@ at = [0.05, 0.0]
 quantity = "displacement_y"
 )";
 
+/// A block of clay in space under its own weight.
+inline const std::string small_solid_case = R"([model]
+dimension = 3
+gravity = [0.0, 0.0, -9.81]
+
+[grid]
+cell_size = 0.1
+cells = [10, 20, 30]
+
+[material.clay]
+law = "linear_elastic"
+density = 1900.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+
+[body.block]
+material = "clay"
+shape.box = { min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 2.0] }
+)";
+
+/// A closed surface: the tetrahedron of the origin and the unit vectors.
+inline const std::string tetrahedron_stl = R"(solid tetrahedron
+facet normal 0 0 -1 outer loop vertex 0 0 0 vertex 0 1 0 vertex 1 0 0 endloop endfacet
+facet normal 0 -1 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 0 1 endloop endfacet
+facet normal -1 0 0 outer loop vertex 0 0 0 vertex 0 0 1 vertex 0 1 0 endloop endfacet
+facet normal 1 1 1 outer loop vertex 1 0 0 vertex 0 1 0 vertex 0 0 1 endloop endfacet
+endsolid tetrahedron
+)";
+
+/// What models in space can say beyond full_case. The file mesh/rock.stl is tetrahedron_stl.
+inline const std::string full_solid_case = R"([model]
+dimension = 3
+kinematics = "small"
+formulation = "total_lagrangian"
+gravity = [0, 0, "-9.81 m/s2"]
+
+[grid]
+kind = "tetrahedra"
+origin = ["-10 cm", -0.2, -0.3]
+cells = [4, 5, 6]
+size = [0.4, 0.5, "120 cm"]
+angle = 30
+
+[material.rock]
+law = "linear_elastic"
+density = 2500
+youngs_modulus = "10 GPa"
+poisson_ratio = 0.2
+
+[body.core]
+material = "rock"
+shape.cylinder = { from = [0, 0, "-5 cm"], to = [0, 0, 0.05], radius = "25 mm" }
+points = { mesh = "hexahedra", size = 0.005 }
+mesh = { size = "5 mm", structured = true }
+
+[body.ball]
+material = "rock"
+shape.sphere = { centre = [0.1, 0.2, 0.3], radius = 0.05 }
+points = { mesh = "tetrahedra", size = 0.01, order = 2, per_element = 1 }
+mesh = { size = 0.01 }
+
+[body.rock]
+material = "rock"
+shape.surface = "mesh/rock.stl"
+
+[body.frame]
+material = "rock"
+file = "mesh/frame.msh"
+group = "core"
+points = { per_element = 27 }
+
+[body.part]
+material = "rock"
+points = { per_direction = 3, placement = "uniform" }
+
+[body.part.shape]
+difference = [
+  { extrusion = { polygon = [[0, 0], [0.4, 0], ["10 cm", 0.3]], from = -0.1, to = "20 cm" } },
+  { union = [
+    { box = { min = [0.1, 0.1, -0.2], max = [0.2, 0.2, 0.3] } },
+    { sphere = { centre = [0, 0, 0], radius = 0.01 } },
+  ] },
+]
+
+[body.platen]
+rigid = true
+shape.box = { min = [-0.05, -0.05, 0.05], max = [0.05, 0.05, 0.06] }
+displacement = [0.0, "1 mm", "-0.1 mm"]
+
+[boundary.base]
+where.box = { min = [-1, -1, -0.06], max = [1, 1, -0.04] }
+ux = 0.0
+uz = "-2 mm"
+
+[boundary.side]
+where.group = "side"
+uy = 0.0
+
+[pin.centre]
+body = "core"
+at = [0.0, 0.0, 0.01]
+fix = "xz"
+
+[pressure.mantle]
+body = "core"
+where.sector = { centre = [0, 0], from = 10, to = 20 }
+value = "1 MPa"
+
+[contact.top]
+body = "core"
+rigid = "platen"
+kind = "shared_nodes"
+
+[solver]
+linear = "iterative"
+linear_tolerance = 1e-9
+
+[checkpoint]
+every_steps = 5
+every_minutes = 2.5
+
+[parallel]
+rebalance = 1.5
+
+[output]
+nominal = { load = "platen", displacement = "platen", direction = [0, 0, -2] }
+
+[gauge.height]
+from = [0, 0, -0.05]
+to = [0, 0, "5 cm"]
+
+[probe.middle]
+at = [0.0, 0.0, 0.01]
+quantity = "stress_zx"
+
+[probe.top]
+at = [0.0, 0.0, 0.04]
+quantity = "displacement_z"
+)";
+
+/// A cylinder of clay turned about the y axis, pressed from above.
+inline const std::string axisymmetric_case = R"([grid]
+cell_size = 0.1
+cells = [6, 12]
+
+[material.clay]
+law = "linear_elastic"
+density = 1900.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+
+[body.specimen]
+material = "clay"
+shape.box = { min = [0.0, 0.0], max = [0.5, 1.0] }
+
+[probe.hoop]
+at = [0.25, 0.5]
+quantity = "strain_zz"
+
+[model]
+plane = "axisymmetric"
+)";
+
 }  // namespace berm

@@ -9,6 +9,7 @@
 namespace berm {
 
 inline std::string describe(const Vec2& v) { return fmt::format("({}, {})", v.x(), v.y()); }
+inline std::string describe(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
 inline std::string describe(double x) { return fmt::format("{}", x); }
 inline std::string describe(const std::string& text) { return text; }
 template <class T>
@@ -29,6 +30,27 @@ inline std::string describe(const PlaneShape& shape) {
   text = combination.kind == Combination::Kind::join ? "union{" : "difference{";
   for (const PlaneShape& part : combination.parts) text += describe(part) + ";";
   return text + "}";
+}
+
+inline std::string describe(const SolidShape& shape) {
+  if (const auto* box = std::get_if<SolidBox>(&shape.form)) return "box " + describe(box->min) + describe(box->max);
+  if (const auto* c = std::get_if<Cylinder>(&shape.form))
+    return "cylinder " + describe(c->from) + describe(c->to) + describe(c->radius);
+  if (const auto* s = std::get_if<Sphere>(&shape.form)) return "sphere " + describe(s->centre) + describe(s->radius);
+  if (const auto* file = std::get_if<SurfaceFile>(&shape.form)) return "surface " + file->path;
+  std::string text = "extrusion";
+  if (const auto* extrusion = std::get_if<Extrusion>(&shape.form)) {
+    for (const Vec2& vertex : extrusion->vertices) text += describe(vertex);
+    return text + fmt::format("{} {}", extrusion->from, extrusion->to);
+  }
+  const auto& combination = std::get<SolidCombination>(shape.form);
+  text = combination.kind == SolidCombination::Kind::join ? "union{" : "difference{";
+  for (const SolidShape& part : combination.parts) text += describe(part) + ";";
+  return text + "}";
+}
+
+inline std::string describe(const Shape& shape) {
+  return std::visit([](const auto& form) { return describe(form); }, shape);
 }
 
 inline std::string describe(const BodyMeshOptions& m) {
@@ -62,8 +84,8 @@ inline std::string describe(const Body& b) {
 inline std::string describe_grid(const Case& c) {
   if (const auto* file = std::get_if<std::string>(&c.grid)) return "grid " + *file;
   const auto& g = std::get<StructuredGrid>(c.grid);
-  return fmt::format("grid {} {} {} {} {} {}", int(g.kind), describe(g.origin), describe(g.cell_size), g.nx, g.ny,
-                     g.angle);
+  return fmt::format("grid {} {} {} {} {} {} {}", int(g.kind), describe(g.origin), describe(g.cell_size), g.nx, g.ny,
+                     g.nz, g.angle);
 }
 
 inline std::string describe_run(const Case& c) {
@@ -71,24 +93,27 @@ inline std::string describe_run(const Case& c) {
   const Solver& s = c.solver;
   const Nominal& n = c.output.nominal;
   return fmt::format(
-      "control {} {} {}\nsteps {} {} {} {} {} {}\nsolver {} {} {} {} {} {} {} {}\noutput {} {} {}\n"
-      "nominal {} {} {} {} {}\n",
+      "control {} {} {}\nsteps {} {} {} {} {} {}\nsolver {} {} {} {} {} {} {} {} {} {}\noutput {} {} {}\n"
+      "nominal {} {} {} {} {}\ncheckpoint {} {}\nparallel {}\n",
       int(c.control.kind), c.control.gauge, c.control.target, t.count, t.adaptive, t.min_fraction, t.max_fraction,
       t.error_tolerance, t.easy_iterations, int(s.integration), int(s.snap_back), s.relative_tolerance,
-      s.absolute_tolerance, s.max_iterations, s.line_search, s.ghost_penalty, s.petsc, c.output.vtk_every,
-      c.output.frames, fmt::join(c.output.references, " "), n.load, n.displacement, describe(n.direction), n.area,
-      n.length);
+      s.absolute_tolerance, s.max_iterations, s.line_search, s.ghost_penalty, int(s.linear), s.linear_tolerance,
+      s.petsc, c.output.vtk_every, c.output.frames, fmt::join(c.output.references, " "), n.load, n.displacement,
+      describe(n.direction), n.area, n.length, c.checkpoint.every_steps, c.checkpoint.every_minutes,
+      c.parallel.rebalance);
 }
 
 inline std::string describe(const Case& c) {
-  std::string text = fmt::format("{} {} {} {} {} {}\n", c.title, int(c.method), int(c.plane), int(c.kinematics),
+  std::string text = fmt::format("{} {} {} {} {} {}\n", c.title, int(c.method), int(c.space), int(c.kinematics),
                                  c.thickness, describe(c.gravity));
   text += describe_grid(c) + "\n" + describe_run(c);
   for (const auto& m : c.materials) text += describe(m) + "\n";
   for (const auto& b : c.bodies) text += describe(b) + "\n";
   for (const auto& b : c.boundaries)
-    text += fmt::format("boundary {} {} {} {}\n", b.name, describe(b.where), describe(b.ux), describe(b.uy));
-  for (const auto& p : c.pins) text += fmt::format("pin {} {} {} {} {}\n", p.name, p.body, describe(p.at), p.x, p.y);
+    text += fmt::format("boundary {} {} {} {} {}\n", b.name, describe(b.where), describe(b.u[0]), describe(b.u[1]),
+                        describe(b.u[2]));
+  for (const auto& p : c.pins)
+    text += fmt::format("pin {} {} {} {}\n", p.name, p.body, describe(p.at), fmt::join(p.fixed, " "));
   for (const auto& p : c.pressures)
     text += fmt::format("pressure {} {} {} {}\n", p.name, p.body, describe(p.where), p.value);
   for (const auto& k : c.contacts)

@@ -47,6 +47,7 @@ protected:
   /// Counts the mutants that were still a case.
   int survivors(const std::string& seed_text, unsigned seed) {
     write("mesh/frame.msh", "");
+    write("mesh/rock.stl", tetrahedron_stl);
     write("curve.csv", "");
     std::mt19937 random(seed);
     int n = 0;
@@ -71,6 +72,18 @@ TEST_F(CaseFuzz, mutantsOfAFullCase) {
 
 TEST_F(CaseFuzz, mutantsOfASmallCase) {
   const int n = survivors(small_case, 2);
+  EXPECT_GT(n, 0);
+  EXPECT_LT(n, n_mutants);
+}
+
+TEST_F(CaseFuzz, mutantsOfAFullSolidCase) {
+  const int n = survivors(full_solid_case, 4);
+  EXPECT_GT(n, 0);
+  EXPECT_LT(n, n_mutants);
+}
+
+TEST_F(CaseFuzz, mutantsOfAnAxisymmetricCase) {
+  const int n = survivors(axisymmetric_case, 5);
   EXPECT_GT(n, 0);
   EXPECT_LT(n, n_mutants);
 }

@@ -19,7 +19,7 @@ TEST_F(Inherit, childWinsKeyByKeyAndArraysAreReplaced) {
       read("base = \"base.toml\"\n[grid]\ncells = [5, 6]\n[material.clay]\ndensity = 2000\n[steps]\ncount = 7\n");
   EXPECT_EQ(std::get<StructuredGrid>(c.grid).nx, 5);
   EXPECT_EQ(std::get<StructuredGrid>(c.grid).ny, 6);
-  EXPECT_EQ(std::get<StructuredGrid>(c.grid).cell_size, Vec2(0.1, 0.1));
+  EXPECT_EQ(std::get<StructuredGrid>(c.grid).cell_size, Vec3(0.1, 0.1, 0.0));
   EXPECT_EQ(c.materials[0].density, 2000.0);
   EXPECT_EQ(std::get<LinearElastic>(c.materials[0].law).youngs_modulus, 1e7);
   EXPECT_EQ(c.steps.count, 7);
@@ -32,8 +32,8 @@ TEST_F(Inherit, removeDropsTablesAndKeysOfTheBase) {
       "base = \"base.toml\"\nremove = [\"boundary.base\", \"model\", \"body.block.shape\"]\n"
       "[body.block]\nshape.disc = { centre = [0.5, 0.5], radius = 0.4 }\n");
   EXPECT_TRUE(c.boundaries.empty());
-  EXPECT_EQ(c.gravity, Vec2(0.0, 0.0));
-  EXPECT_TRUE(std::holds_alternative<Disc>(c.bodies[0].shape->form));
+  EXPECT_EQ(c.gravity, Vec3(0.0, 0.0, 0.0));
+  EXPECT_TRUE(std::holds_alternative<Disc>(std::get<PlaneShape>(*c.bodies[0].shape).form));
   EXPECT_EQ(c.resolved.find("remove"), std::string::npos);
 }
 
@@ -80,8 +80,8 @@ TEST_F(Inherit, overridesComeLast) {
   EXPECT_EQ(c.steps.count, 9);
   EXPECT_FALSE(c.steps.adaptive);
   EXPECT_EQ(c.title, "Ein \"Titel\"");
-  EXPECT_EQ(c.plane, Plane::stress);
-  EXPECT_EQ(std::get<Box>(c.bodies[0].shape->form).max, Vec2(2.0, 1.0));
+  EXPECT_EQ(c.space, Space::plane_stress);
+  EXPECT_EQ(std::get<Box>(std::get<PlaneShape>(*c.bodies[0].shape).form).max, Vec2(2.0, 1.0));
   EXPECT_EQ(describe(c), describe(read(c.resolved)));
 }
 
