@@ -5,14 +5,17 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <numeric>
 
 #include "base/error.hpp"
 #include "mesh/gmsh_model.hpp"
+#include "msh_file.hpp"
 
 using namespace berm;
+using msh_file::error_of;
+using msh_file::File;
+using msh_file::replaced;
 
 namespace {
 
@@ -64,30 +67,6 @@ void expect_mid_sides(const Mesh& mesh, double tolerance) {
   }
 }
 
-/// A file in the test's own folder, removed at the end.
-class File {
-public:
-  explicit File(const std::string& text) {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() / (std::string("berm_") + info->name() + ".msh");
-    std::ofstream(path_, std::ios::binary) << text;
-  }
-  ~File() { std::filesystem::remove(path_); }
-  std::string path() const { return path_.string(); }
-
-private:
-  std::filesystem::path path_;
-};
-
-std::string error_of(const std::string& path) {
-  try {
-    read_msh(path);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 /// Two unit squares side by side, the right one halved; node 9 is used by a line only, node 20 by nothing. The left
 /// square is clockwise and is listed twice (groups "left" and "all").
 const char* two_squares =
@@ -99,12 +78,6 @@ const char* two_squares =
     "4 3 2 1 1 1 6 5 2\n5 3 2 3 3 1 6 5 2\n"
     "6 2 2 2 2 2 13 4\n7 2 2 2 2 2 4 5\n"
     "$EndElements\n";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos);
-  return text.replace(at, from.size(), to);
-}
 
 }  // namespace
 

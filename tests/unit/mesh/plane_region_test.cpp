@@ -17,7 +17,9 @@ const double pi = std::acos(-1.0);
 PlaneShape box(double x0, double y0, double x1, double y1) { return {Box{Vec2(x0, y0), Vec2(x1, y1)}}; }
 PlaneShape disc(double x, double y, double r) { return {Disc{Vec2(x, y), r}}; }
 PlaneShape join(std::vector<PlaneShape> parts) { return {Combination{Combination::Kind::join, std::move(parts)}}; }
-PlaneShape minus(std::vector<PlaneShape> parts) { return {Combination{Combination::Kind::difference, std::move(parts)}}; }
+PlaneShape minus(std::vector<PlaneShape> parts) {
+  return {Combination{Combination::Kind::difference, std::move(parts)}};
+}
 
 /// A plate with four slits of 5 mm, open to its edges.
 PlaneShape slit_specimen() {
