@@ -7,22 +7,23 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
 #include "base/error.hpp"
-#include "comm/mpi.hpp"
 
 namespace berm {
 namespace {
 
 constexpr const char* format_name = "berm checkpoint";
-// A process hands over this much at a time: MPI-IO counts bytes in int.
-constexpr std::size_t piece = std::size_t(1) << 30;
+// Arrays are written as they stand in memory.
+static_assert(std::endian::native == std::endian::little);
 
 /// An HDF5 identifier, closed at the end of the scope.
 class Id {
@@ -69,9 +70,6 @@ std::string reason() {
   return text.empty() ? "HDF5 gives no reason" : text;
 }
 
-/// "" if the HDF5 call that returned this went well, else why not.
-std::string error_of(std::int64_t result) { return result < 0 ? reason() : ""; }
-
 /// Types as they stand in the file, and in memory.
 struct Type {
   hid_t file, memory;
@@ -83,34 +81,55 @@ Type type_of(const std::int32_t*) { return {H5T_STD_I32LE, H5T_NATIVE_INT32, "32
 Type type_of(const std::uint8_t*) { return {H5T_STD_U8LE, H5T_NATIVE_UINT8, "bytes"}; }
 
 void start_hdf5() {
+  H5dont_atexit();  // it would close files that could not be written a second time, and crash
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours
 }
+
+/// A file of the operating system, closed at the end of the scope.
+class Descriptor {
+public:
+  Descriptor() = default;
+  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags, 0666)) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+
+  int close() { return fd_ < 0 ? 0 : ::close(std::exchange(fd_, -1)); }
+  operator int() const { return fd_; }
+
+private:
+  int fd_ = -1;
+};
 
 /// The folder entry too must reach the disk. A file system that cannot do that for folders is no error.
 void sync_folder(const std::string& path) {
   const auto folder = std::filesystem::path(path).parent_path();
-  const int fd = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY);
-  if (fd < 0) return;
-  ::fsync(fd);
-  ::close(fd);
+  ::fsync(Descriptor(folder.empty() ? "." : folder.string(), O_RDONLY | O_DIRECTORY));
 }
 
 }  // namespace
 
+// HDF5 runs on the root alone and lays out the file; every process then writes its rows where they belong with calls of
+// the operating system. MPI-IO would do the same, but on a full disk Open MPI 4.1 (OMPIO and ROMIO) loses the error or
+// waits for ever.
 struct CheckpointFile::Impl {
   Comm comm;
   std::string path;
   bool writing = false;  ///< until committed
   bool failed = false;   ///< a write went wrong
   Id file = no_file();
+  Descriptor rows;  ///< the same file, where this process's rows go
 
   ~Impl() {
-    // HDF5 forgets that it could not close a file on a full disk, and crashes on it at the end of the process. Left
-    // open, it is closed then, once.
+    // A file on a full disk cannot be closed, and HDF5 crashes on such a file at the end of the process. Left open, it
+    // is closed only then (or never, without MPI); emptied, it finds the place for that.
     if (failed) file.leave_open();
     file.close();
     if (!writing || !comm.is_root()) return;
-    if (::truncate(draft().c_str(), 0) != 0) errno = 0;  // a file left open would keep its place on the disk
+    if (::truncate(draft().c_str(), 0) != 0) errno = 0;
     std::remove(draft().c_str());
   }
 
@@ -126,13 +145,24 @@ struct CheckpointFile::Impl {
     throw InputError(fmt::format("{}: {} {}", path, name, why));
   }
 
-  /// Throws on all processes if there is an error on any.
-  void check(const std::string& error) {
+  void on_all(const std::function<void()>& work) {
     failed = true;
-    comm.agree([&] {
-      if (!error.empty()) fail_write(error);
-    });
+    comm.agree(work);
     failed = false;
+  }
+  void on_root(const std::function<void()>& work) {
+    on_all([&] {
+      if (comm.is_root()) work();
+    });
+  }
+
+  /// For results of HDF5 while writing: throws if negative.
+  void check(std::int64_t result) const {
+    if (result < 0) fail_write(reason());
+  }
+  /// The same for the operating system.
+  void check_system(std::int64_t result) const {
+    if (result < 0) fail_write(std::strerror(errno));
   }
 
   void must_write() const {
@@ -140,22 +170,21 @@ struct CheckpointFile::Impl {
   }
 
   void begin() {
-    comm.agree([&] {
+    on_root([&] {
       // HDF5 says less clearly what is wrong with a folder.
-      if (!comm.is_root()) return;
-      const int fd = ::open(draft().c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0666);
-      if (fd < 0) fail_write(std::strerror(errno));
-      ::close(fd);
+      check_system(Descriptor(draft(), O_CREAT | O_TRUNC | O_WRONLY));
+      const Id access = properties(H5P_FILE_ACCESS);
+      H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+      H5Pset_file_locking(access, true, true);  // not every file system has locks
+      file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+      check(file);
+      writing = true;
     });
     writing = true;
-    const Id access = properties(H5P_FILE_ACCESS);
-    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    if (comm.size() > 1) {
-      H5Pset_fapl_mpio(access, mpi_comm(comm), MPI_INFO_NULL);
-      H5Pset_coll_metadata_write(access, true);
-    }
-    file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
-    check(error_of(file));
+    on_all([&] {
+      rows = Descriptor(draft(), O_WRONLY);
+      check_system(rows);
+    });
   }
 
   void open() {
@@ -165,7 +194,7 @@ struct CheckpointFile::Impl {
     // Every process opens it with the plain driver: reading then needs no agreement on who reads what when.
     const Id access = properties(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-    H5Pset_file_locking(access, true, true);  // a file system without locks is good enough for reading
+    H5Pset_file_locking(access, true, true);
     file = Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose);
     if (!file.valid()) fail_read(fmt::format("the HDF5 file is incomplete or damaged ({})", reason()));
     if (!is_marked()) fail_read(fmt::format("the HDF5 file lacks the mark \"{}\"", format_name));
@@ -177,86 +206,79 @@ struct CheckpointFile::Impl {
                       path, version, checkpoint_version));
   }
 
-  /// All rows of the file as a table, and the part of it that this process has.
   void write(const std::string& name, Type type, const std::byte* mine, std::size_t n_values, int columns) {
     must_write();
     if (columns < 1 || n_values % columns != 0)
       throw std::logic_error(fmt::format("{}: {} values are not rows of {}", name, n_values, columns));
     const long n = static_cast<long>(n_values / columns);
-    const hsize_t begin = comm.exclusive_sum(n);
+    const long begin = comm.exclusive_sum(n);
     const std::array<hsize_t, 2> shape{static_cast<hsize_t>(comm.sum(n)), static_cast<hsize_t>(columns)};
-    const Id space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
-    const Id set = create(name, type.file, space);
-
-    const std::size_t row_size = columns * H5Tget_size(type.memory);
-    const long step = static_cast<long>(std::max<std::size_t>(1, piece / row_size));
-    const long most = comm.max(n);
-    for (long done = 0; done < most; done += step) {  // as many calls on every process: they are collective
-      const hsize_t rows = std::clamp(n - done, 0L, step);
-      const std::array<hsize_t, 2> at{begin + std::min(done, n), 0}, part{rows, shape[1]};
-      check(write_part(set, type.memory, space, at, part, mine + std::min(done, n) * row_size));
-    }
+    std::int64_t offset = 0;
+    on_root([&] {
+      const Id space(H5Screate_simple(2, shape.data(), nullptr), H5Sclose);
+      const Id set = create(name, type.file, space);
+      offset = static_cast<std::int64_t>(H5Dget_offset(set));
+    });
+    const std::size_t value_size = H5Tget_size(type.memory);
+    offset = comm.broadcast(offset) + begin * columns * static_cast<long>(value_size);
+    on_all([&] { write_bytes(mine, n_values * value_size, offset); });
   }
 
+  /// A table that has its place in the file, without values.
   Id create(const std::string& name, hid_t type, hid_t space) {
     const Id link = properties(H5P_LINK_CREATE), creation = properties(H5P_DATASET_CREATE);
     H5Pset_create_intermediate_group(link, 1);
-    H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);  // every value is written once, by us
+    H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
+    H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
     Id set(H5Dcreate2(file, name.c_str(), type, space, link, creation, H5P_DEFAULT), H5Dclose);
-    check(error_of(set));
+    check(set);
     return set;
   }
 
-  std::string write_part(hid_t set, hid_t type, hid_t space, const std::array<hsize_t, 2>& at,
-                         const std::array<hsize_t, 2>& part, const void* data) const {
-    const Id memory(H5Screate_simple(2, part.data(), nullptr), H5Sclose);
-    if (part[0] == 0) {
-      H5Sselect_none(space);
-      H5Sselect_none(memory);
-    } else {
-      H5Sselect_hyperslab(space, H5S_SELECT_SET, at.data(), nullptr, part.data(), nullptr);
+  void write_bytes(const std::byte* data, std::size_t size, std::int64_t offset) const {
+    while (size > 0) {
+      const ssize_t n = ::pwrite(rows, data, size, offset);
+      if (n < 0 && errno == EINTR) continue;
+      check_system(n);
+      data += n;
+      size -= static_cast<std::size_t>(n);
+      offset += n;
     }
-    return error_of(H5Dwrite(set, type, memory, space, transfer(), data));
-  }
-
-  Id transfer() const {
-    Id list = properties(H5P_DATASET_XFER);
-    if (comm.size() > 1) H5Pset_dxpl_mpio(list, H5FD_MPIO_COLLECTIVE);
-    return list;
   }
 
   void write_text(const std::string& name, const std::string& text) {
     must_write();
-    // A fixed-length string, not an attribute: those end at 64 KiB.
-    const Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
-    H5Tset_size(type, std::max<std::size_t>(1, text.size()));
-    H5Tset_strpad(type, H5T_STR_NULLPAD);
-    H5Tset_cset(type, H5T_CSET_UTF8);
-    const Id set = create(name, type, space);
-    if (!comm.is_root()) H5Sselect_none(space);
-    check(error_of(H5Dwrite(set, type, space, space, transfer(), text.c_str())));
+    on_root([&] {
+      // A fixed-length string, not an attribute: those end at 64 KiB.
+      const Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+      H5Tset_size(type, std::max<std::size_t>(1, text.size()));
+      H5Tset_strpad(type, H5T_STR_NULLPAD);
+      H5Tset_cset(type, H5T_CSET_UTF8);
+      check(H5Dwrite(create(name, type, space), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()));
+    });
   }
 
   void write_attribute(const std::string& name, Type type, const void* value) {
     must_write();
-    const Id space(H5Screate(H5S_SCALAR), H5Sclose);
-    const Id attribute(H5Acreate2(file, name.c_str(), type.file, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-    check(error_of(attribute));
-    check(error_of(H5Awrite(attribute, type.memory, value)));
+    on_root([&] {
+      const Id space(H5Screate(H5S_SCALAR), H5Sclose);
+      const Id attribute(H5Acreate2(file, name.c_str(), type.file, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+      check(attribute);
+      check(H5Awrite(attribute, type.memory, value));
+    });
   }
 
   void commit() {
     must_write();
-    check(error_of(H5Fflush(file, H5F_SCOPE_GLOBAL)));  // several processes: each one's part reaches its disk here
-    check(file.close() ? "" : reason());
-    comm.agree([&] {
-      if (!comm.is_root()) return;
-      const int fd = ::open(draft().c_str(), O_RDONLY);
-      const bool good = fd >= 0 && ::fsync(fd) == 0;
-      const int error = errno;
-      if (fd >= 0) ::close(fd);
-      if (!good) fail_write(std::strerror(error));
-      if (std::rename(draft().c_str(), path.c_str()) != 0) fail_write(std::strerror(errno));
+    on_all([&] {
+      check_system(::fsync(rows));
+      check_system(rows.close());
+    });
+    on_root([&] {
+      check(H5Fflush(file, H5F_SCOPE_GLOBAL));
+      check(file.close() ? 0 : -1);
+      check_system(::fsync(Descriptor(draft(), O_RDONLY)));
+      check_system(std::rename(draft().c_str(), path.c_str()));
       sync_folder(path);
     });
     writing = false;
@@ -296,12 +318,12 @@ struct CheckpointFile::Impl {
   void read(const std::string& name, Type type, std::int64_t first, std::int64_t n, int columns,
             const std::function<void*()>& room) const {
     const Id set = dataset(name);
-    const auto [rows, width] = shape(name, set);
+    const auto [height, width] = shape(name, set);
     const Id stored(H5Dget_type(set), H5Tclose);
     if (H5Tequal(stored, type.file) <= 0) fail_content(name, fmt::format("does not hold {}", type.words));
     if (width != hsize_t(columns)) fail_content(name, fmt::format("has {} columns, not {}", width, columns));
-    if (first < 0 || n < 0 || hsize_t(first) > rows || hsize_t(n) > rows - first)
-      fail_content(name, fmt::format("has {} rows, not rows {} to {}", rows, first, first + n));
+    if (first < 0 || n < 0 || hsize_t(first) > height || hsize_t(n) > height - first)
+      fail_content(name, fmt::format("has {} rows, not rows {} to {}", height, first, first + n));
     if (n == 0) return;
     const std::array<hsize_t, 2> at{hsize_t(first), 0}, part{hsize_t(n), width};
     const Id space(H5Dget_space(set), H5Sclose), memory(H5Screate_simple(2, part.data(), nullptr), H5Sclose);

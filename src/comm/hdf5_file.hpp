@@ -18,15 +18,15 @@ constexpr int checkpoint_version = 1;
 /// file. Errors of create, open, write* and commit are thrown by all processes alike.
 class CheckpointFile {
 public:
-  /// Begins PATH.part; a rest of an earlier, killed run there is overwritten. Collective, as is all writing. One
-  /// process writes through the plain driver, several through MPI-IO.
+  /// Begins PATH.part; a rest of an earlier, killed run there is overwritten. Collective, as is all writing. Every
+  /// process must see the folder.
   static CheckpointFile create(const Comm& comm, const std::string& path);
   /// Opens a finished file. Collective; every process reads for itself afterwards.
   static CheckpointFile open(const Comm& comm, const std::string& path);
 
   CheckpointFile(CheckpointFile&&) noexcept;
   CheckpointFile& operator=(CheckpointFile&&) noexcept;
-  /// What was not committed is removed. Collective for a file being written by several processes.
+  /// What was not committed is removed.
   ~CheckpointFile();
 
   /// Writes this process's rows of `columns` values; the dataset has the rows of all in the order of rank. Folders in
