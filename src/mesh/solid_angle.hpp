@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "base/tensor.hpp"
 
@@ -13,7 +14,8 @@ namespace berm {
 inline double winding_part(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 p = a - x, q = b - x, r = c - x;
   const double lp = p.norm(), lq = q.norm(), lr = r.norm();
-  return std::atan2(p.dot(q.cross(r)), lp * lq * lr + p.dot(q) * lr + q.dot(r) * lp + r.dot(p) * lq) / (2.0 * M_PI);
+  return std::atan2(p.dot(q.cross(r)), lp * lq * lr + p.dot(q) * lr + q.dot(r) * lp + r.dot(p) * lq) /
+         (2.0 * std::numbers::pi);
 }
 
 }  // namespace berm

@@ -5,6 +5,7 @@
 #include <mutex>
 #include <optional>
 
+#include "base/error.hpp"
 #include "mesh/solid_bins.hpp"
 #include "mesh/triangle_tree.hpp"
 
@@ -88,7 +89,10 @@ private:
   mutable std::optional<SolidBins> bins_;
 };
 
-SolidRegion::SolidRegion(TriangleSurface surface) : impl_(std::make_unique<Impl>(std::move(surface))) {}
+SolidRegion::SolidRegion(TriangleSurface surface) {
+  if (surface.triangles.empty()) throw InputError("solid: its surface has no triangles");
+  impl_ = std::make_unique<Impl>(std::move(surface));
+}
 SolidRegion::~SolidRegion() = default;
 SolidRegion::SolidRegion(SolidRegion&&) noexcept = default;
 SolidRegion& SolidRegion::operator=(SolidRegion&&) noexcept = default;

@@ -36,6 +36,7 @@ struct BoxGrid {
 /// The body inside a closed surface. All volumes are exact for the triangles, up to rounding.
 class SolidRegion {
 public:
+  /// The surface must be closed and turned outwards, as those of triangulate and read_stl are.
   explicit SolidRegion(TriangleSurface surface);
   ~SolidRegion();
   SolidRegion(SolidRegion&&) noexcept;

@@ -270,6 +270,7 @@ Vec3 area_vector(const TriangleSurface& surface, int triangle) {
 }
 
 TriangleSurface split(const TriangleSurface& surface, double longest) {
+  if (!(longest > 0.0)) throw InputError(fmt::format("surface: edges of {:g} m (they must be positive)", longest));
   TriangleSurface out = surface;
   while (Halving(out, longest).run()) {
   }

@@ -32,6 +32,7 @@ Vec3 high_corner(const TriangleSurface& surface);
 Vec3 area_vector(const TriangleSurface& surface, int triangle);
 
 /// The same surface with no edge longer than `longest`: edges are halved, both neighbours alike, so it stays closed.
+/// Throws InputError unless `longest` is positive.
 TriangleSurface split(const TriangleSurface& surface, double longest);
 
 /// Turns the triangles so that the surface encloses its body, cavities included; normals are turned along. For surfaces

@@ -202,3 +202,20 @@ TEST_F(Stl, MeshOfItsInside) {
     EXPECT_GT(mesh.connectivity.size() / mesh.nodes_per_cell, 300u);
   }
 }
+
+TEST_F(Stl, MeshOfPartsAndCavities) {
+  const auto filled = [&](const std::vector<Facet>& facets) {
+    const SolidMesh mesh = mesh_solid({SurfaceFile{write(ascii(facets))}}, 0.25, 1);
+    double total = 0.0;
+    for (std::size_t c = 0; c < mesh.connectivity.size(); c += 4) {
+      const auto x = [&](int i) { return mesh.nodes[mesh.connectivity[c + i]]; };
+      total += (x(1) - x(0)).dot((x(2) - x(0)).cross(x(3) - x(0))) / 6.0;
+    }
+    return total;
+  };
+  std::vector<Facet> facets = cube();
+  for (Facet f : cube(Vec3(0.25, 0.25, 0.25), 0.5)) facets.push_back({f[1], f[0], f[2]});
+  EXPECT_NEAR(filled(facets), 0.875, 1e-12);
+  for (const Facet& f : cube(Vec3(2, 0, 0))) facets.push_back(f);
+  EXPECT_NEAR(filled(facets), 1.875, 1e-12);
+}
