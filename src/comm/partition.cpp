@@ -146,9 +146,9 @@ std::vector<int> Partition::balance(const Comm& comm, int dim, std::span<const V
   for (int k = 1; k < comm.size(); ++k) {
     check(Zoltan_RCB_Partition_Tree(zoltan.get(), k, &parent, &below, &above), "reading its tree");
     const Box left = box(zoltan.get(), k - 1), right = box(zoltan.get(), k);
-    int axis = 0;
-    while (axis < dim && left.high[axis] != right.low[axis]) ++axis;
-    if (axis == dim) throw RunError("Zoltan: its boxes do not fit together");
+    int axis = 0;  // Zoltan cuts nothing along any axis, the third one in two dimensions included
+    while (axis < 3 && left.high[axis] != right.low[axis]) ++axis;
+    if (axis == 3) throw RunError("Zoltan: its boxes do not fit together");
     cuts_.push_back({axis, right.low[axis], child(below), child(above)});
   }
   return part;
