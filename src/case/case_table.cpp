@@ -23,7 +23,7 @@ Table<Case> model_table() {
   t.custom(
       dimension_info(),
       [](Scope& s, Node::Entry&, Case& c) { c.space = s.dimension() == 3 ? Space::solid : Space::plane_strain; },
-      [](Case&, int dimension) { return std::optional<Node>(Node(std::int64_t{dimension})); });
+      [](Case&, int) { return std::optional<Node>(Node(std::int64_t{2})); });
   t.choice(
       "plane", &Case::space,
       Words<Space>{

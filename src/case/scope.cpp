@@ -232,7 +232,7 @@ std::optional<std::size_t> read_choice(const Scope& scope, const Node::Entry& en
   };
   if (!word || is_in(names) || !is_in(others)) return read_choice(scope, entry, names);
   scope.problems.error(entry.value.place,
-                       fmt::format("{}: \"{}\" is for {}: {}", an_entry(scope, entry.key), *word,
+                       fmt::format("{}: \"{}\" is for {} {}", an_entry(scope, entry.key), *word,
                                    in_space ? "the plane ([model] dimension = 2); in space there are"
                                             : "models in space ([model] dimension = 3); in the plane there are",
                                    fmt::join(names, ", ")));

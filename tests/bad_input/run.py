@@ -2,7 +2,8 @@
 """Runs `berm check` on every malformed file here: run.py BERM
 
 Every file of expected.tsv must end with exit code 2 and the expected message on stderr, in a bounded time, without a
-crash and without a word from a sanitizer; good.toml must pass, so that each failure is due to what was changed.
+crash and without a word from a sanitizer; good.toml and good_solid.toml must pass, so that each failure is due to what
+was changed.
 """
 
 import pathlib
@@ -41,8 +42,9 @@ def main():
     berm = str(pathlib.Path(sys.argv[1]).resolve())
     lines = (HERE / "expected.tsv").read_text(encoding="utf-8").splitlines()
     table = [line.split("\t") for line in lines if line and not line.startswith("#")]
-    listed = {name for name, _ in table} | {"good.toml", "base_cycle_2.toml"}
-    cases = [("good.toml", "")] + table
+    good = ["good.toml", "good_solid.toml"]
+    listed = {name for name, _ in table} | {*good, "base_cycle_2.toml"}
+    cases = [(name, "") for name in good] + table
     failures = [(name, why) for name, text in cases if (why := check(berm, name, text))]
     failures += [(p.name, "not in expected.tsv") for p in sorted(HERE.glob("*.toml")) if p.name not in listed]
     for name, why in failures:
