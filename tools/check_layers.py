@@ -12,6 +12,7 @@ import tempfile
 
 LEVELS = {
     "base": 0,
+    "comm": 1,
     "law": 1,
     "mesh": 1,
     "io": 1,
@@ -35,7 +36,9 @@ FORBIDDEN = {"fem": ("points/", "transfer/", "shape/linear.hpp")}
 FOREIGN = (
     (re.compile(r"gmshc?\.h(_cwrap)?$"), re.compile(r"mesh/gmsh\w*\.cpp$"), "Gmsh belongs to src/mesh/gmsh*.cpp"),
     (re.compile(r"toml\+\+"), re.compile(r"case/"), "toml++ belongs to src/case"),
-    (re.compile(r"(petsc|mpi)\w*\.h$"), re.compile(r"la/"), "PETSc and MPI belong to src/la"),
+    (re.compile(r"petsc\w*\.h$"), re.compile(r"la/"), "PETSc belongs to src/la"),
+    (re.compile(r"(comm/mpi\.hpp|mpi\.h)$"), re.compile(r"(la|comm)/"), "MPI belongs to src/la and src/comm"),
+    (re.compile(r"(zoltan\w*|hdf5)\.h$"), re.compile(r"comm/"), "Zoltan and HDF5 belong to src/comm"),
     (re.compile(r"CLI/"), re.compile(r"$^"), "CLI11 belongs to apps/berm/main.cpp"),
 )
 WRITING = re.compile(r"\b(std::)?(ofstream|fopen|fwrite|freopen)\b|std::fstream\b|gmsh::write\b")
