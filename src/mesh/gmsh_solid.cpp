@@ -4,7 +4,7 @@
 #include <gmsh.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
@@ -317,21 +317,29 @@ private:
       return x;
     };
     if (fixed.size() == 3) return Vec3::Zero();
-    Eigen::MatrixXd directions(0, 3);
-    Eigen::VectorXd gaps(0);
+    // Least squares by the normal equations, without the directions that hardly any face has. Fixed sizes only: Gmsh has
+    // Eigen in it too, and templates over dynamic sizes would be mixed up with its own at run time.
+    Mat3 normal = Mat3::Zero();
+    Vec3 right = Vec3::Zero();
+    double largest = -1.0;
     for (const View& view : views) {
       const Vec3 direction = faces_[view.face].plane ? Vec3::Zero() : free_part(view.normal.normalized());
       if (direction.norm() < 0.2) continue;  // nearly tangent to the plane: cannot follow
-      directions.conservativeResize(directions.rows() + 1, 3);
-      gaps.conservativeResize(gaps.size() + 1);
-      directions.bottomRows(1) = direction.transpose();
-      gaps[gaps.size() - 1] = (absolute ? std::abs(view.gap) : view.gap) / view.area;
+      const double gap = (absolute ? std::abs(view.gap) : view.gap) / view.area;
+      normal += direction * direction.transpose();
+      right += gap * direction;
+      largest = std::max(largest, std::abs(gap));
     }
-    if (gaps.size() == 0) return Vec3::Zero();
-    Eigen::JacobiSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    svd.setThreshold(0.1);
-    const Vec3 move = free_part(svd.solve(gaps));
-    const double limit = 3.0 * gaps.cwiseAbs().maxCoeff();
+    if (largest < 0.0) return Vec3::Zero();
+    const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(normal);
+    Vec3 move = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 axis = spectrum.eigenvectors().col(i);
+      const double value = spectrum.eigenvalues()[i];
+      if (value > 0.01 * spectrum.eigenvalues()[2]) move += axis.dot(right) / value * axis;
+    }
+    move = free_part(move);
+    const double limit = 3.0 * largest;
     return move.norm() > limit ? Vec3(limit / move.norm() * move) : move;
   }
 
