@@ -170,8 +170,8 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
                   vectors(read_share<double>(file, comm, "nodes/state", 3)));
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
-    world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width),
-                            world.time);
+    world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width));
+  world.boundary->restore_rigid(world.time);
   world.begin_step();
   recorder.resume(load_recorder(file));
 }
