@@ -12,6 +12,7 @@
 #include "case/read_case.hpp"
 #include "comm/comm.hpp"
 #include "la/newton.hpp"
+#include "mpiexec.hpp"
 #include "sim/run.hpp"
 #include "sim/world.hpp"
 
@@ -37,32 +38,6 @@ int python(const std::string& module, const std::vector<std::string>& arguments)
   fmt::print(stderr, "berm: cannot start {}: {}\n", interpreter,
              chosen ? "BERM_PYTHON must be the path of a Python interpreter"
                     : "install python3, python3-matplotlib and python3-vtk9");
-  return exit_failed;
-}
-
-/// Processes that an mpiexec started, 1 without one.
-int ranks_of_launcher() {
-  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
-    if (const char* size = std::getenv(name)) return std::atoi(size);
-  return 1;
-}
-
-/// Replaces this process by `mpiexec -n ranks berm ...` with the same arguments. Returns only if there is no mpiexec.
-int restart_under_mpiexec(int ranks, const std::vector<std::string>& arguments) {
-  // Root may run a program with mpiexec as well as without (containers, CI); more processes than cores are the user's
-  // choice; Ctrl-C leaves time for a checkpoint.
-  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
-  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-  setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
-  setenv("OMPI_MCA_odls_base_sigkill_timeout", "120", 0);
-  std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks),
-                                    std::filesystem::read_symlink("/proc/self/exe").string()};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& w : words) argv.push_back(w.data());
-  argv.push_back(nullptr);
-  execvp("mpiexec", argv.data());
-  fmt::print(stderr, "berm: cannot start mpiexec: install openmpi-bin\n");
   return exit_failed;
 }
 
@@ -146,7 +121,7 @@ int main(int argc, char** argv) {
       const std::string text = berm::describe(*world);
       if (comm.is_root()) fmt::print("{}", text);
     });
-  if (ranks > 1 && ranks_of_launcher() == 1) return restart_under_mpiexec(ranks, {argv + 1, argv + argc});
+  if (ranks > 1 && ranks_of_launcher() == 1) return run_under_mpiexec(ranks, {argv + 1, argv + argc});
   return guarded([&] {
     if (ranks_of_launcher() > 1) berm::start_petsc();  // so that errors of the case are told once
     berm::RunOptions options;
@@ -154,6 +129,8 @@ int main(int argc, char** argv) {
     options.folder =
         out.empty() ? std::filesystem::path("out") / std::filesystem::path(file).stem() : std::filesystem::path(out);
     options.quiet = quiet;
+    // mpiexec gives the processes a terminal of its own, wherever their words go in the end.
+    if (ranks_of_launcher() > 1) options.is_interactive = user_sees_terminal();
     berm::run_case(berm::read_case(file, overrides), options);
   });
 }

@@ -446,6 +446,14 @@ void restore_anchor(Anchor& a, const double* row) {
   a.u = Vec3(row[4], row[5], row[6]);
 }
 
+/// The point of that number, or null if another process has it. Ids ascend.
+template <class Point>
+Point* point_of(std::vector<Point>& points, int id) {
+  const auto found =
+      std::lower_bound(points.begin(), points.end(), id, [](const Point& p, int number) { return p.id < number; });
+  return found == points.end() || found->id != id ? nullptr : &*found;
+}
+
 }  // namespace
 
 std::vector<double> BoundaryConditions::rows(int kind) const {
@@ -464,21 +472,31 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
   return rows;
 }
 
-void BoundaryConditions::restore(int kind, const std::vector<double>& rows, double time) {
+void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
   for (std::size_t k = 0; k < rows.size(); k += row_width) {
     const double* row = rows.data() + k;
-    const auto id = static_cast<std::size_t>(row[0]);
-    if (kind == 0 && id < contacts_.size()) {
-      restore_anchor(contacts_[id].anchor, row);
-      contacts_[id].slip = Vec3(row[7], row[8], row[9]);
-    }
-    if (kind == 1 && id < pressures_.size()) restore_anchor(pressures_[id].anchor, row);
-    if (kind == 2 && id < pins_.size()) restore_anchor(pins_[id].anchor, row);
-    if (kind == 3 && id < 2 * gauges_.size())
+    const int id = static_cast<int>(row[0]);
+    if (kind == 0)
+      if (ContactPoint* p = point_of(contacts_, id)) {
+        restore_anchor(p->anchor, row);
+        p->slip = Vec3(row[7], row[8], row[9]);
+      }
+    if (kind == 1)
+      if (PressurePoint* p = point_of(pressures_, id)) restore_anchor(p->anchor, row);
+    if (kind == 2)
+      if (PinPoint* p = point_of(pins_, id)) restore_anchor(p->anchor, row);
+    if (kind == 3 && id < 2 * static_cast<int>(gauges_.size()))
       restore_anchor(id % 2 == 0 ? gauges_[id / 2].from : gauges_[id / 2].to, row);
   }
+}
+
+void BoundaryConditions::restore_rigid(double time) {
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
     if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement * time;
+  for (RigidPoint& p : rigid_points_) {
+    p.anchor.u = rigid_offset_[p.anchor.body];
+    if (case_.kinematics == Kinematics::finite) p.anchor.x = p.anchor.X + p.anchor.u;
+  }
 }
 
 }  // namespace berm

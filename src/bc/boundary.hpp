@@ -63,8 +63,10 @@ public:
   static constexpr int n_kinds = 4;
   static constexpr int row_width = 10;  ///< id, x, u, slip
   std::vector<double> rows(int kind) const;
-  /// Only before the first move_anchors: rows of all processes, given to each.
-  void restore(int kind, const std::vector<double>& rows, double time);
+  /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
+  void restore(int kind, const std::vector<double>& rows);
+  /// Where rigid bodies are at that time; their points too move in finite kinematics.
+  void restore_rigid(double time);
 
 private:
   struct NodeCondition {

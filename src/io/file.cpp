@@ -10,7 +10,8 @@
 
 namespace berm {
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "wb")) {
+OutputFile::OutputFile(std::string path, bool append)
+    : path_(std::move(path)), file_(std::fopen(path_.c_str(), append ? "ab" : "wb")) {
   if (!file_) fail();
 }
 

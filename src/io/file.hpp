@@ -11,8 +11,8 @@ namespace berm {
 
 class OutputFile {
 public:
-  /// Creates or empties the file. Throws RunError if that is not possible.
-  explicit OutputFile(std::string path);
+  /// Creates or empties the file, or goes on at its end. Throws RunError if that is not possible.
+  explicit OutputFile(std::string path, bool append = false);
 
   /// Throws RunError if the bytes cannot be written.
   void write(std::string_view bytes);

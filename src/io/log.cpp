@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
+
 namespace berm {
 
 Log::Log(const LogOptions& options)
     : terminal_(options.terminal),
       quiet_(options.quiet),
       interactive_(options.is_interactive ? *options.is_interactive : options.terminal && isatty(fileno(options.terminal)) == 1),
-      file_(options.file.empty() ? nullptr : std::make_unique<OutputFile>(options.file)) {}
+      file_(options.file.empty() ? nullptr : std::make_unique<OutputFile>(options.file, options.append)) {}
 
 Log::~Log() {
   if (status_shown_) std::fputc('\n', terminal_);
@@ -47,8 +49,13 @@ void Log::to_terminal(std::string_view line) {
 
 void Log::to_file(std::string_view line) {
   if (!file_) return;
-  file_->write(fmt::format("{}\n", line));
-  file_->flush();
+  try {
+    file_->write(fmt::format("{}\n", line));
+    file_->flush();
+  } catch (const RunError& error) {
+    file_.reset();
+    warning(error.what());
+  }
 }
 
 Progress::Progress(Log& log, Clock::time_point start) : log_(log), start_(start) {}

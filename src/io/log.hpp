@@ -1,5 +1,6 @@
 #pragma once
-/// What the user sees while a run goes on: messages and one line of progress. Both go to the terminal and to log.txt.
+/// What the user sees while a run goes on: messages and one line of progress. Both go to the terminal and to log.txt. A
+/// log that cannot be written any more, on a full disk, ends with a warning and is no reason to end the run.
 
 #include <chrono>
 #include <cstdio>
@@ -17,6 +18,7 @@ struct LogOptions {
   bool quiet = false;                  ///< only warnings reach the terminal
   std::FILE* terminal = stdout;        ///< not owned; null: none (all processes but the first)
   std::optional<bool> is_interactive;  ///< default: ask the operating system whether `terminal` is a terminal
+  bool append = false;                 ///< goes on at the end of the file
 };
 
 class Log {

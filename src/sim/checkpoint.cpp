@@ -126,6 +126,7 @@ void save_checkpoint(const std::string& path, const World& world, const QuasiSta
   file.write_number("time", world.time);
   file.write_number("load_factor", world.load_factor);
   file.write_number("step_size", control.size());
+  file.write_number("bridge", control.bridge);
   const Balance& balance = step.balance();
   file.write_number("external_work", balance.external_work);
   file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
@@ -156,6 +157,7 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   world.time = file.read_number("time");
   world.load_factor = file.read_number("load_factor");
   control.restore(file.read_number("step_size"));
+  control.bridge = static_cast<int>(file.read_number("bridge"));
   Balance balance;
   balance.external_work = file.read_number("external_work");
   balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
@@ -170,8 +172,8 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
                   vectors(read_share<double>(file, comm, "nodes/state", 3)));
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
-    world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width),
-                            world.time);
+    world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width));
+  world.boundary->restore_rigid(world.time);
   world.begin_step();
   recorder.resume(load_recorder(file));
 }

@@ -48,12 +48,19 @@ Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::f
       points_pvd_((folder / "points.pvd").string()),
       mesh_pvd_((folder / "mesh.pvd").string()) {
   fit_probes();
-  const std::vector<std::string> names = columns();
-  n_columns_ = static_cast<int>(names.size());
-  if (world.comm.is_root()) history_ = std::make_unique<HistoryWriter>((folder / "history.csv").string(), names);
+  n_columns_ = static_cast<int>(columns().size());
+}
+
+/// Empties a history that is there.
+void Recorder::open_history() {
+  world_.comm.agree([&] {
+    if (world_.comm.is_root())
+      history_ = std::make_unique<HistoryWriter>((folder_ / "history.csv").string(), columns());
+  });
 }
 
 void Recorder::start() {
+  open_history();
   write_row({}, world_.spec.solver.integration);
   write_frame(take_frame());
 }
@@ -246,7 +253,9 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
 
 void Recorder::append(const std::vector<double>& row) {
   rows_.insert(rows_.end(), row.begin(), row.end());
-  if (history_) history_->append(row);
+  world_.comm.agree([&] {
+    if (history_) history_->append(row);
+  });
 }
 
 void Recorder::record(const StepResult& result, Integration integration) {
@@ -511,6 +520,7 @@ void Recorder::resume(const RecorderState& s) {
         fmt::format("the checkpoint has a history of {} columns, this case one of {}: gauges, probes, bodies and "
                     "boundaries must be those of the run that is to go on",
                     s.columns, n_columns_));
+  open_history();
   for (std::size_t k = 0; k < s.rows.size(); k += n_columns_)
     append({s.rows.begin() + static_cast<std::ptrdiff_t>(k), s.rows.begin() + static_cast<std::ptrdiff_t>(k) + n_columns_});
   row_load_ = rows_[rows_.size() - n_columns_ + load_column];
@@ -521,13 +531,20 @@ void Recorder::resume(const RecorderState& s) {
   next_frame_ = s.next_frame;
   highest_ = s.highest;
   for (std::size_t k = 0; k < s.noise.size(); k += 2) noise_.emplace_back(s.noise[k], s.noise[k + 1]);
-  auto of_mesh = s.frames;
-  for (auto& [time, file] : of_mesh) file.replace(0, std::string("points").size(), "mesh");
-  points_pvd_.restore(s.frames);
-  mesh_pvd_.restore(of_mesh);
+  restore_frames(s.frames);
   if (!s.peak_pending) return;
   highest_ = row_load_;  // the state kept for the peak's frame is lost: the present one stands in
   peak_ = take_frame();
+}
+
+/// Frames that are not in this folder, since the run goes on in another one, are left out.
+void Recorder::restore_frames(std::vector<std::pair<double, std::string>> frames) {
+  std::erase_if(frames, [&](const auto& frame) { return !std::filesystem::exists(folder_ / frame.second); });
+  if (!frames.empty() && frames.back().first >= world_.time) last_frame_step_ = steps_;
+  last_frame_step_ = world_.comm.broadcast(last_frame_step_);
+  points_pvd_.restore(frames);
+  for (auto& [time, file] : frames) file.replace(0, std::string("points").size(), "mesh");
+  mesh_pvd_.restore(frames);
 }
 
 }  // namespace berm

@@ -29,6 +29,7 @@ struct RecorderState {
 
 class Recorder {
 public:
+  /// Writes nothing yet.
   Recorder(const World& world, const QuasiStaticStep& step, const std::filesystem::path& folder);
 
   /// The unloaded state: first row, first frame.
@@ -62,6 +63,7 @@ private:
   double dissipated_energy() const;
   double energy_error(double stored, double dissipated) const;
   void write_row(const StepResult& result, Integration integration);
+  void open_history();
   void append(const std::vector<double>& row);
   /// The state as VTK data, taken now and written now or later.
   struct Frame {
@@ -75,6 +77,7 @@ private:
   std::string write_pieces(const std::string& kind, const VtuData& data) const;
   void write_surfaces(Summary& summary) const;
   void follow_peak();
+  void restore_frames(std::vector<std::pair<double, std::string>> frames);
   std::vector<std::string> columns() const;
   const char* axes() const { return dimension_ == 3 ? "xyz" : "xy"; }
 

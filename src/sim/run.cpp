@@ -14,9 +14,13 @@
 namespace berm {
 namespace {
 
-/// Set by Ctrl-C and SIGTERM: the run ends after the step, with everything written.
+/// Set by Ctrl-C, SIGTERM and SIGUSR1: the run ends after the step, with everything written. A second one ends it as it
+/// is. mpiexec passes SIGUSR1 on at once, SIGTERM a second before it kills.
 volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
+void interrupt(int number) {
+  interrupted = 1;
+  std::signal(number, SIG_DFL);
+}
 
 constexpr const char* checkpoint_name = "checkpoint.h5";
 
@@ -37,8 +41,8 @@ public:
       : start_(std::chrono::steady_clock::now()),
         comm_(comm),
         folder_(options.folder),
-        log_(comm.is_root() ? LogOptions{(options.folder / "log.txt").string(), options.quiet, stdout, {}}
-                            : LogOptions{"", true, nullptr, false}),
+        open_log_(open_log(options, comm)),
+        log_(*open_log_),
         world_(build_world(std::move(spec), comm)),
         step_(*world_),
         recorder_(*world_, step_, options.folder),
@@ -65,8 +69,14 @@ public:
         advance();
         save_if_due();
       }
+    } catch (const InputError& error) {
+      end_early(error);
+      throw;
+    } catch (const RunError& error) {
+      end_early(error);
+      throw;
     } catch (const std::exception& error) {
-      recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds());
+      if (comm_.size() == 1) end_early(error);  // else the other processes may know nothing of it: main() ends them
       throw;
     }
     recorder_.finish("done", "", seconds());
@@ -74,6 +84,22 @@ public:
   }
 
 private:
+  static std::unique_ptr<Log> open_log(const RunOptions& options, const Comm& comm) {
+    std::unique_ptr<Log> log;
+    comm.agree([&] {
+      LogOptions here{"", true, nullptr, false, false};
+      if (comm.is_root())
+        here = {(options.folder / "log.txt").string(), options.quiet, stdout, options.is_interactive,
+                !options.restart.empty()};
+      log = std::make_unique<Log>(here);
+    });
+    return log;
+  }
+
+  void end_early(const std::exception& error) {
+    recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds());
+  }
+
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   void save() {
@@ -101,7 +127,7 @@ private:
   void advance() {
     for (;;) {
       const double dt = control_.next(world_->time);
-      const Integration integration = bridge_ > 0 ? Integration::impl_ex : integration_;
+      const Integration integration = control_.bridge > 0 ? Integration::impl_ex : integration_;
       const StepResult result = step_.attempt(dt, integration);
       log_choice();
       log_attempt(dt, result);
@@ -120,7 +146,7 @@ private:
         control_.after_implicit(result.iterations);
       else
         control_.after_impl_ex(result.extrapolation_error);
-      if (bridge_ > 0 && --bridge_ == 0) log_.info("back to implicit steps");
+      if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
       progress_.update({recorder_.steps(), world_->time, recorder_.load(), result.iterations, result.residual,
                         world_->n_points()});
       return;
@@ -134,9 +160,9 @@ private:
       control_.cut();
       return;
     }
-    if (integration_ == Integration::implicit && bridge_ == 0 &&
+    if (integration_ == Integration::implicit && control_.bridge == 0 &&
         world_->spec.solver.snap_back == Solver::SnapBack::impl_ex) {
-      bridge_ = bridge_steps;
+      control_.bridge = bridge_steps;
       log_.warning(fmt::format("no equilibrium next to time {:.6g} with the smallest step: {} IMPL-EX steps follow",
                                world_->time, bridge_steps));
       return;
@@ -199,14 +225,14 @@ private:
   std::chrono::steady_clock::time_point start_;
   Comm comm_;
   std::filesystem::path folder_;
-  Log log_;
+  std::unique_ptr<Log> open_log_;
+  Log& log_;
   std::unique_ptr<World> world_;
   QuasiStaticStep step_;
   Recorder recorder_;
   StepControl control_;
   Progress progress_;
   Integration integration_;
-  int bridge_ = 0;
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
   std::string choice_;                           ///< of the linear solver, as last logged
 };
@@ -215,6 +241,7 @@ private:
 
 void run_case(Case spec, const RunOptions& options) {
   start_petsc(spec.solver.petsc);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, interrupt);
   const Comm comm = Comm::world();
   comm.agree([&] {
     if (!comm.is_root()) return;
@@ -225,8 +252,6 @@ void run_case(Case spec, const RunOptions& options) {
     if (options.restart.empty()) remove_old_results(options.folder);
   });
   Run run(std::move(spec), options, comm);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
   run.go();
 }
 

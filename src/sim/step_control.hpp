@@ -30,6 +30,8 @@ public:
   /// After a restart.
   void restore(double dt) { dt_ = std::clamp(dt, min_, max_); }
 
+  int bridge = 0;  ///< IMPL-EX steps that are left of a bridge over a snap-back
+
   void cut() { dt_ = std::max(min_, 0.5 * dt_); }
 
   /// After an implicit step.
