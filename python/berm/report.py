@@ -288,8 +288,8 @@ def load_note(scene):
 
 
 def millimetres(length, least):
-    """A length [m] in mm; what is a millionth of `least` is zero."""
-    return f"{1e3 * length if abs(length) > 1e-6 * least else 0.0:.4g} mm".replace("-", "−")
+    """A length [m] in mm; what is a thousandth of `least` is zero."""
+    return f"{1e3 * length if abs(length) > 1e-3 * least else 0.0:.4g} mm".replace("-", "−")
 
 
 SOLID_FRAMES = (

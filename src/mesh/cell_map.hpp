@@ -72,7 +72,8 @@ inline bool inverse_map(CellKind kind, const Corners& p, const Vec3& x, Vec3& xi
     if (dimension == 2) residual.z() = 0.0;
     const Vec3 step = J.inverse() * residual;
     xi += step;
-    if (is_simplex(kind) || step.squaredNorm() <= 1e-28 * (1.0 + xi.squaredNorm())) return true;
+    // The error after a step is its square; rounding alone makes steps of 1e-14 in small cells far from the origin.
+    if (is_simplex(kind) || step.squaredNorm() <= 1e-20 * (1.0 + xi.squaredNorm())) return true;
     if (it == 0) xi = xi.cwiseMax(-20.0).cwiseMin(20.0);
   }
   return false;

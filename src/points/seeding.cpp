@@ -81,8 +81,8 @@ std::vector<Part> tetrahedron_parts(const Part& cell, int n) {
       const auto mid = [&](int a, int b) -> Vec3 { return 0.5 * (p[a] + p[b]); };
       const Vec3 m01 = mid(0, 1), m02 = mid(0, 2), m03 = mid(0, 3), m12 = mid(1, 2), m13 = mid(1, 3), m23 = mid(2, 3);
       const Vec3 parts[8][4] = {{p[0], m01, m02, m03}, {m01, p[1], m12, m13}, {m02, m12, p[2], m23},
-                                {m03, m13, m23, p[3]}, {m01, m13, m03, m02},  {m01, m12, m13, m02},
-                                {m03, m13, m23, m02},  {m13, m12, m23, m02}};
+                                {m03, m13, m23, p[3]}, {m01, m13, m02, m03},  {m01, m12, m02, m13},
+                                {m03, m13, m02, m23},  {m13, m12, m02, m23}};
       for (const auto& q : parts) finer.push_back({t.kind, {4, {q[0], q[1], q[2], q[3]}}});
     }
     out = std::move(finer);

@@ -72,7 +72,8 @@ bool PointBins::solve(const Vec3& at, double radius, LocalFit& fit) const {
     moments += fit.weight[k] / total * b * b.transpose();
   }
   const Eigen::FullPivLU<Eigen::Matrix<double, size, size>> lu(moments);
-  if (lu.rcond() < (degree == 1 ? 1e-10 : 1e-6)) return false;
+  // rcond leaves out what the decomposition takes for zero.
+  if (!lu.isInvertible() || lu.rcond() < (degree == 1 ? 1e-10 : 1e-6)) return false;
   const Eigen::Matrix<double, size, 1> first = lu.solve(Eigen::Matrix<double, size, 1>::Unit(0)) / total;
   for (std::size_t k = 0; k < fit.point.size(); ++k)
     fit.weight[k] *= first.dot(basis<dimension, degree>((x_[fit.point[k]] - at) / radius));

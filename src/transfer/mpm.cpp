@@ -61,8 +61,10 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
     if (!mine) continue;
-    // Around an axis the point stands for a ring (Pappus: exact for the centroid of its part).
-    volume.push_back(points.measure[p] * (space_ == Space::axisymmetric ? 2.0 * M_PI * x.x() : thickness));
+    // Around an axis the point stands for a ring (Pappus: exact for the centroid of its part, which a fitted quadrature
+    // puts where the point sees the grid).
+    const double radius = x.x() + (points.shift.empty() ? 0.0 : points.shift[p].x());
+    volume.push_back(points.measure[p] * (space_ == Space::axisymmetric ? 2.0 * M_PI * radius : thickness));
     length.push_back(l);
     id_.push_back(n_points_ + static_cast<std::int64_t>(p));
     X_.push_back(x);

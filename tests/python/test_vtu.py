@@ -6,7 +6,8 @@ import unittest
 
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+from vtkmodules.vtkFiltersVerdict import vtkMeshQuality
+from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
 
 from berm.results import read_series
 
@@ -14,7 +15,7 @@ SAMPLES = os.environ.get("BERM_VTU_SAMPLES")
 
 
 def read(name):
-    reader = vtkXMLUnstructuredGridReader()
+    reader = vtkXMLPUnstructuredGridReader() if name.endswith(".pvtu") else vtkXMLUnstructuredGridReader()
     reader.SetFileName(os.path.join(SAMPLES, name))
     errors = []
     reader.AddObserver("ErrorEvent", lambda *_: errors.append("error"))
@@ -43,6 +44,43 @@ class WrittenFiles(unittest.TestCase):
         self.assertEqual(body.dtype.kind, "i")
         np.testing.assert_array_equal(body, [-7, 0, 2147483647])
         np.testing.assert_array_equal(array(grid.GetCellData(), 'a<b & "c"'), [1e-300, 0.1, -1e300])
+
+    def test_solid_mesh(self):
+        grid = read("solid.vtu")
+        self.assertEqual([grid.GetCellType(c) for c in range(grid.GetNumberOfCells())], [10, 24, 12, 25, 9])
+        sizes = [grid.GetCell(c).GetNumberOfPoints() for c in range(5)]
+        self.assertEqual(sizes, [4, 10, 8, 20, 4])
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        for c in (1, 3):  # every mid-side node lies where VTK looks for it: half-way between the corners of its edge
+            cell = grid.GetCell(c)
+            for e in range(cell.GetNumberOfEdges()):
+                edge = cell.GetEdge(e)
+                a, b, middle = (points[edge.GetPointId(k)] for k in range(3))
+                np.testing.assert_array_equal(middle, 0.5 * (a + b))
+        quality = vtkMeshQuality()
+        quality.SetInputData(grid)
+        quality.SetTetQualityMeasureToVolume()
+        quality.SetHexQualityMeasureToVolume()
+        quality.Update()
+        volume = array(quality.GetOutput().GetCellData(), "Quality")
+        np.testing.assert_allclose([volume[0], volume[2]], [1.0 / 6.0, 8.0], rtol=1e-14)
+        number = array(grid.GetPointData(), "id")
+        self.assertEqual((number.dtype.kind, number.dtype.itemsize), ("i", 8))
+        np.testing.assert_array_equal(number, [2**53 + 1 - i for i in range(30)])
+        pair = array(grid.GetCellData(), "pair")
+        np.testing.assert_array_equal(pair, [[1, -1], [2**63 - 1, -(2**63)], [0, 5], [6, 7], [8, 9]])
+
+    def test_distributed_cloud(self):
+        grid = read("whole.pvtu")
+        self.assertEqual((grid.GetNumberOfPoints(), grid.GetNumberOfCells()), (8, 8))
+        n = np.array([5] * 5 + [3] * 3)
+        np.testing.assert_array_equal(
+            vtk_to_numpy(grid.GetPoints().GetData()), np.stack([n, 0 * n, 0 * n + 1], 1).astype(float)
+        )
+        np.testing.assert_array_equal(array(grid.GetPointData(), "id"), 10**10 + n)
+        np.testing.assert_array_equal(array(grid.GetPointData(), "stress"), 0.5 * n[:, None] * np.ones(6))
+        np.testing.assert_array_equal(array(grid.GetPointData(), "a<b"), n)
+        self.assertEqual([grid.GetCell(c).GetPointId(0) for c in range(8)], list(range(8)))
 
     def test_clouds_of_several_blocks(self):
         for name, n in (("cloud.vtu", 100001), ("block.vtu", 131072)):

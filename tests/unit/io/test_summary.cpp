@@ -20,9 +20,13 @@ TEST_F(SummaryFile, HoldsEverything) {
   s.steps = 5;
   s.wall_seconds = 1.5;
   s.thickness = 0.1;
+  s.dimension = 3;
+  s.axisymmetric = true;
+  s.processes = 4;
   s.references = {"/a/b.csv", "/c.csv"};
   s.body_rings["disc"] = {{Vec2(0, 0), Vec2(1, 0), Vec2(0.5, 2)}, {Vec2(0.25, 0.25)}};
   s.body_rings["top"] = {};
+  s.body_surfaces = {{"ball", "surfaces/ball.vtu"}, {"a \"quoted\" one", "b.vtu"}};
   s.metrics = {{"peak_load [N]", 2.5e6}, {"stress_noise [-]", std::numeric_limits<double>::quiet_NaN()}};
   write_summary(path("summary.json"), s);
   EXPECT_EQ(content(path("summary.json")), R"({
@@ -38,10 +42,17 @@ TEST_F(SummaryFile, HoldsEverything) {
   "newton_iterations": 0,
   "wall_seconds": 1.5,
   "thickness": 0.1,
+  "dimension": 3,
+  "axisymmetric": true,
+  "processes": 4,
   "references": ["/a/b.csv", "/c.csv"],
   "body_rings": {
     "disc": [[[0, 0], [1, 0], [0.5, 2]], [[0.25, 0.25]]],
     "top": []
+  },
+  "body_surfaces": {
+    "a \"quoted\" one": "b.vtu",
+    "ball": "surfaces/ball.vtu"
   },
   "metrics": {
     "peak_load [N]": 2500000,
@@ -52,7 +63,9 @@ TEST_F(SummaryFile, HoldsEverything) {
 }
 
 TEST_F(SummaryFile, EmptyIsValidJson) {
-  EXPECT_NE(summary_json(Summary{}).find("\"body_rings\": {},\n  \"metrics\": {}\n}"), std::string::npos);
+  const std::string json = summary_json(Summary{});
+  EXPECT_NE(json.find("\"body_rings\": {},\n  \"body_surfaces\": {},\n  \"metrics\": {}\n}"), std::string::npos);
+  EXPECT_NE(json.find("\"dimension\": 2,\n  \"axisymmetric\": false,\n  \"processes\": 1,\n"), std::string::npos);
 }
 
 TEST_F(SummaryFile, FailureNamesTheFile) {

@@ -1,7 +1,9 @@
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "base/error.hpp"
 #include "io/vtu.hpp"
@@ -27,6 +29,37 @@ VtuData mixed_mesh() {
   return data;
 }
 
+/// One cell of every solid kind, the linear ones on the corners of the quadratic ones; 64-bit numbers.
+VtuData solid_mesh() {
+  VtuData data;
+  const std::vector<Vec3> tetrahedron = {{0, 0, 0},   {1, 0, 0},  {0, 1, 0},  {0, 0, 1},   {.5, 0, 0},
+                                         {.5, .5, 0}, {0, .5, 0}, {0, 0, .5}, {.5, 0, .5}, {0, .5, .5}};
+  const std::vector<Vec3> hexahedron = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2},
+                                        {0, 2, 2}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2},
+                                        {1, 2, 2}, {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}};
+  data.points = tetrahedron;
+  for (const Vec3& x : hexahedron) data.points.push_back(x + Vec3(3, 0, 0));
+  const auto add = [&](VtkType type, int first, int n) {
+    for (int i = 0; i < n; ++i) data.connectivity.push_back(first + i);
+    data.offsets.push_back(static_cast<int>(data.connectivity.size()));
+    data.types.push_back(type);
+  };
+  add(vtk_tetra, 0, 4);
+  add(vtk_quadratic_tetra, 0, 10);
+  add(vtk_hexahedron, 10, 8);
+  add(vtk_quadratic_hexahedron, 10, 20);
+  for (int i = 0; i < 4; ++i) data.connectivity.push_back(std::array{10, 11, 12, 13}[i]);
+  data.offsets.push_back(static_cast<int>(data.connectivity.size()));
+  data.types.push_back(vtk_quad);
+  std::vector<std::int64_t> id;
+  for (int i = 0; i < 30; ++i) id.push_back((std::int64_t(1) << 53) + 1 - i);
+  data.point_fields = {{"id", 1, id}};
+  data.cell_fields = {{"pair", 2,
+                       std::vector<std::int64_t>{1, -1, std::numeric_limits<std::int64_t>::max(),
+                                                 std::numeric_limits<std::int64_t>::min(), 0, 5, 6, 7, 8, 9}}};
+  return data;
+}
+
 /// More than one compressed block (1 MiB) per array, the last one not full.
 VtuData cloud(int n) {
   std::vector<Vec3> points;
@@ -45,6 +78,16 @@ TEST_F(Vtu, VtkReadsEveryValue) {
   write_vtu(path("cloud.vtu"), cloud(100001));
   write_vtu(path("block.vtu"), cloud(131072));  // connectivity and offsets fill their last block exactly
   write_vtu(path("empty.vtu"), vertices({}));
+  write_vtu(path("solid.vtu"), solid_mesh());
+  // A distributed cloud: three processes, one of them without points.
+  for (const auto& [name, n] : {std::pair{"part_0.vtu", 5}, std::pair{"part_1.vtu", 0}, std::pair{"part<2>.vtu", 3}}) {
+    VtuData part = vertices(std::vector<Vec3>(n, Vec3(n, 0, 1)));
+    part.point_fields = {{"id", 1, std::vector<std::int64_t>(n, 10000000000 + n)},
+                         {"stress", 6, std::vector<double>(6 * n, 0.5 * n)},
+                         {"a<b", 1, std::vector<int>(n, n)}};
+    write_vtu(path(name), part);
+    if (n == 5) write_pvtu(path("whole.pvtu"), part, {"part_0.vtu", "part_1.vtu", "part<2>.vtu"});
+  }
   PvdWriter series(path("series.pvd"));
   series.add(0.0, "mixed.vtu");
   series.add(1.0 / 3.0, "cloud.vtu");
@@ -55,6 +98,20 @@ TEST_F(Vtu, VtkReadsEveryValue) {
       "test_vtu.py",
       path(""), source, source);
   EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(Vtu, ListOfPiecesHoldsTheFieldsOnce) {
+  write_pvtu(path("w.pvtu"), solid_mesh(), {"a/0.vtu", "a/1.vtu"});
+  const std::string text = content(path("w.pvtu"));
+  for (
+      const char* line :
+      {"<PUnstructuredGrid GhostLevel=\"0\">\n",
+       "    <PPointData>\n      <PDataArray type=\"Int64\" Name=\"id\" NumberOfComponents=\"1\"/>\n    </PPointData>\n",
+       "    <PCellData>\n      <PDataArray type=\"Int64\" Name=\"pair\" NumberOfComponents=\"2\"/>\n    </PCellData>\n",
+       "    <Piece Source=\"a/0.vtu\"/>\n    <Piece Source=\"a/1.vtu\"/>\n"})
+    EXPECT_NE(text.find(line), std::string::npos) << line;
+  EXPECT_FALSE(std::filesystem::exists(path("w.pvtu.tmp")));
+  EXPECT_THROW(write_pvtu(path("no_such_folder/w.pvtu"), solid_mesh(), {}), RunError);
 }
 
 TEST_F(Vtu, CompressesRepetition) {
@@ -98,11 +155,25 @@ TEST_F(Vtu, SeriesIsCompleteAfterEveryAddition) {
   series.add(0.0, "p_0000.vtu");
   EXPECT_NE(content(path("p.pvd")).find("</VTKFile>"), std::string::npos);
   series.add(0.1, "p_0001.vtu");
+  ASSERT_EQ(series.entries().size(), 2u);
   EXPECT_EQ(content(path("p.pvd")),
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n  <Collection>\n"
             "    <DataSet timestep=\"0\" part=\"0\" file=\"p_0000.vtu\"/>\n"
             "    <DataSet timestep=\"0.1\" part=\"0\" file=\"p_0001.vtu\"/>\n  </Collection>\n</VTKFile>\n");
   EXPECT_FALSE(std::filesystem::exists(path("p.pvd.tmp")));
+}
+
+/// A run that goes on: the files of its earlier part stay, in the order of time.
+TEST_F(Vtu, SeriesGoesOnWhereItEnded) {
+  PvdWriter first(path("a.pvd"));
+  first.add(0.0, "0.vtu");
+  first.add(0.5, "2.vtu");
+  PvdWriter second(path("b.pvd"));
+  second.restore(first.entries());
+  second.add(0.25, "1.vtu");
+  first.add(0.25, "1.vtu");
+  EXPECT_EQ(content(path("b.pvd")), content(path("a.pvd")));
+  EXPECT_EQ(second.entries()[1].second, "1.vtu");
 }
 
 TEST_F(Vtu, UnwritableSeriesIsNamed) {

@@ -218,13 +218,14 @@ TEST(SolidGrid, DistortedCellsFillTheBoxAndAreFound) {
       expect_neighbours_symmetric(grid);
       RandomPoints point(3);
       int hint = -1;
-      for (int k = 0; k < 1000; ++k) {
+      for (int k = 0; k < 300; ++k) {
         const Vec3 x = point();
         const int cell = grid.locator->locate(x, hint);
         ASSERT_GE(cell, 0) << x.transpose();
         EXPECT_EQ(cell, grid.locator->locate(x, -1));
-        EXPECT_EQ(cell, holders(grid.mesh, x, -1e-11).at(0));
-        EXPECT_LE(holders(grid.mesh, x, 1e-9).size(), 1u);
+        const std::vector<int> all = holders(grid.mesh, x, -1e-11);
+        EXPECT_EQ(cell, all.at(0));
+        EXPECT_LE(std::count_if(all.begin(), all.end(), [&](int c) { return depth_in(grid.mesh, c, x) >= 1e-9; }), 1);
         hint = cell;
       }
     }
@@ -251,7 +252,7 @@ TEST(SolidGrid, TetrahedraOfAnyShape) {
   const Grid grid = make_unstructured_grid(mesh_shape(box, options));
   expect_neighbours_symmetric(grid);
   RandomPoints point(4);
-  for (int k = 0; k < 1000; ++k) {
+  for (int k = 0; k < 300; ++k) {
     const Vec3 x = point();
     const int cell = grid.locator->locate(x, -1);
     ASSERT_GE(cell, 0);
