@@ -37,14 +37,14 @@ struct Errors {
 /// Stress at (0, y): quadratic least-squares fit to the integration points within one cell size in x and in y.
 class RecoveredStress {
 public:
-  RecoveredStress(const std::vector<Vec2>& x, const std::vector<Voigt>& stress, double reach)
+  RecoveredStress(const std::vector<Vec3>& x, const std::vector<Voigt>& stress, double reach)
       : x_(x), stress_(stress), reach_(reach) {}
 
   double operator()(double y, int component) const {
     Eigen::Matrix<double, 6, 6> moments = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> right = Eigen::Matrix<double, 6, 1>::Zero();
     for (std::size_t p = 0; p < x_.size(); ++p) {
-      const Vec2 d = (x_[p] - Vec2(0.0, y)) / reach_;
+      const Vec2 d = (in_plane(x_[p]) - Vec2(0.0, y)) / reach_;
       if (d.cwiseAbs().maxCoeff() > 1.0) continue;
       Eigen::Matrix<double, 6, 1> basis;
       basis << 1.0, d.x(), d.y(), d.x() * d.x(), d.x() * d.y(), d.y() * d.y();
@@ -55,14 +55,14 @@ public:
   }
 
 private:
-  const std::vector<Vec2>& x_;
+  const std::vector<Vec3>& x_;
   const std::vector<Voigt>& stress_;
   double reach_;
 };
 
 Errors solve(const std::vector<std::string>& overrides) {
   Model model(read_case(BERM_SOURCE_DIR "/tests/verify/brazilian_elastic.toml", overrides));
-  const std::vector<Vec2> x = model.world->discretisation->point_positions();
+  const std::vector<Vec3> x = model.world->discretisation->point_positions();
   model.advance(1.0);
   const RecoveredStress at(x, model.material().stress, 1.01 * model.world->discretisation->cell_size());
   Errors e{};

@@ -119,7 +119,7 @@ adaptive = false
   for (int k = 0; k < steps; ++k) r.iterations = std::max(r.iterations, model.advance(1.0 / steps).iterations);
   const int top = 1;  // second body of the case
   r.damage = model.material().max_damage();
-  r.modulus = -model.step.balance().rigid_force[top].y() / (8 * h) / strain;
+  r.modulus = -model.step.balance().reactions.rigid[top].y() / (8 * h) / strain;
   return r;
 }
 

@@ -29,7 +29,7 @@ struct Model {
 
   const MaterialState& material() const { return world->discretisation->material; }
   /// Displacement of the far end of a gauge [m].
-  Vec2 gauge_end(int gauge = 0) const { return world->boundary->gauges()[gauge].to.u; }
+  Vec3 gauge_end(int gauge = 0) const { return world->boundary->gauges()[gauge].to.u; }
 
   /// One step; fails the test if it does not converge.
   StepResult advance(double dt);

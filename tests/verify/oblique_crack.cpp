@@ -61,7 +61,7 @@ TEST(ObliqueCrack, DissipatedEnergyOverFractureEnergy) {
   for (const double angle : {0.0, 15.0, 30.0, 45.0}) {
     Model model(case_text(angle));
     constexpr int pulled = 2;  // third body of the case
-    auto force = [&] { return model.step.balance().rigid_force[pulled].x(); };
+    auto force = [&] { return model.step.balance().reactions.rigid[pulled].x(); };
     double peak = 0.0;
     EXPECT_TRUE(model.run([&](const StepResult&) { peak = std::max(peak, force()); }));
     EXPECT_LT(force(), 0.05 * peak);  // broken

@@ -10,8 +10,6 @@
 #include <set>
 
 #include "driver.hpp"
-#include "fem/fem.hpp"
-#include "transfer/mpm.hpp"
 
 namespace berm::verify {
 namespace {
@@ -42,22 +40,22 @@ material = "m"
 )" + parts;
 }
 
-void prescribe(Case& c, const Vec2& node) {
-  constexpr double d = 1e-7;
+void prescribe(Case& c, const Vec3& node) {
+  const Vec3 d(1e-7, 1e-7, 1.0);
   NodeBoundary b;
   b.name = fmt::format("node{}", c.boundaries.size());
-  b.where.min = node - Vec2(d, d);
-  b.where.max = node + Vec2(d, d);
-  const Vec2 u = gradient * node;
-  b.ux = u.x();
-  b.uy = u.y();
+  b.where.min = node - d;
+  b.where.max = node + d;
+  const Vec2 u = gradient * in_plane(node);
+  b.u[0] = u.x();
+  b.u[1] = u.y();
   c.boundaries.push_back(b);
 }
 
 /// All nodes on the boundary of the mesh.
 std::set<int> boundary_nodes(const Mesh& mesh) {
   std::set<int> nodes;
-  for (const Edge& e : boundary_edges(mesh)) {
+  for (const CellFace& e : boundary_faces(mesh)) {
     const int n = corners_of(mesh.kinds[e.cell]);
     nodes.insert(mesh.cell(e.cell)[e.local]);
     nodes.insert(mesh.cell(e.cell)[(e.local + 1) % n]);
@@ -70,47 +68,41 @@ std::set<int> boundary_nodes(const Mesh& mesh) {
 std::set<int> outer_nodes(const Mesh& mesh, double h) {
   std::set<int> nodes;
   for (int k = 0; k < mesh.n_nodes(); ++k)
-    if ((mesh.nodes[k].array() - 0.5).abs().maxCoeff() > 0.5 - h) nodes.insert(k);
+    if ((in_plane(mesh.nodes[k]).array() - 0.5).abs().maxCoeff() > 0.5 - h) nodes.insert(k);
   return nodes;
 }
 
 struct Errors {
   double displacement;  ///< largest |u - u_exact| / largest |u_exact|
   double stress;        ///< sum V |s - s_exact| / (|s_exact| sum V)
-  int free;             ///< unknowns
+  long free;            ///< unknowns
 };
 
 Errors patch(const std::string& method, const std::string& parts, bool cut = false) {
   const std::string text = case_text(method, parts);
   Model model(text);
-  std::set<int> held;
-  const Mesh* mesh;
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(model.world->discretisation.get())) {
-    mesh = &mpm->grid().mesh;
-    held = cut ? outer_nodes(*mesh, mpm->cell_size()) : boundary_nodes(*mesh);
-  } else {
-    mesh = &dynamic_cast<const FemDiscretisation&>(*model.world->discretisation).mesh();
-    held = boundary_nodes(*mesh);
-  }
+  const Mesh& mesh = model.world->discretisation->mesh();
+  const std::set<int> held = cut ? outer_nodes(mesh, model.world->discretisation->cell_size()) : boundary_nodes(mesh);
   Case c = case_of(text);
   c.boundaries.clear();
-  for (int node : held) prescribe(c, mesh->nodes[node]);
+  for (int node : held) prescribe(c, mesh.nodes[node]);
 
   Model loaded(c);
-  const std::vector<Vec2> X = loaded.world->discretisation->point_positions();
   loaded.advance(1.0);
+  const std::vector<Vec3> X = loaded.world->discretisation->point_origins();
   const double E = 1e6, nu = 0.3, mu = E / (2.0 * (1.0 + nu)), lambda = 2.0 * mu * nu / (1.0 - 2.0 * nu);
   const double tr = lambda * gradient.trace();
   Voigt exact;
   exact << tr + 2.0 * mu * gradient(0, 0), tr + 2.0 * mu * gradient(1, 1), tr, mu * (gradient(0, 1) + gradient(1, 0)),
       0.0, 0.0;
 
-  const std::vector<Vec2> u = loaded.world->discretisation->point_displacements();
+  const std::vector<Vec3> u = loaded.world->discretisation->point_displacements();
   Errors e{0.0, 0.0, loaded.step.unknowns()};
   double size = 0.0, volume = 0.0;
   for (std::size_t p = 0; p < X.size(); ++p) {
-    size = std::max(size, (gradient * X[p]).norm());
-    e.displacement = std::max(e.displacement, (u[p] - gradient * X[p]).norm());
+    const Vec2 exact_u = gradient * in_plane(X[p]);
+    size = std::max(size, exact_u.norm());
+    e.displacement = std::max(e.displacement, (in_plane(u[p]) - exact_u).norm());
     e.stress += loaded.material().volume[p] * (loaded.material().stress[p] - exact).norm();
     volume += loaded.material().volume[p];
   }
