@@ -38,7 +38,7 @@ protected:
       }
     }
     if (nodes_of(kind()) > corners_of(kind()))
-      for (const auto& [a, b] : edges_of(kind())) out.push_back(0.5 * (out[a] + out[b]));
+      for (const auto& [a, b] : edge_ends(kind())) out.push_back(0.5 * (out[a] + out[b]));
     return out;
   }
 };

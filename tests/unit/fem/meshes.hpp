@@ -13,7 +13,7 @@ constexpr CellKind all_kinds[] = {CellKind::tri3, CellKind::quad4, CellKind::tri
                                   CellKind::tet4, CellKind::hex8,  CellKind::tet10, CellKind::hex20};
 
 /// Ends of the edges with a mid-side node, in VTK's order.
-inline std::vector<std::pair<int, int>> edges_of(CellKind kind) {
+inline std::vector<std::pair<int, int>> edge_ends(CellKind kind) {
   switch (linear_kind(kind)) {
     case CellKind::tri3:
       return {{0, 1}, {1, 2}, {2, 0}};
@@ -47,7 +47,7 @@ inline Mesh quadratic(const Mesh& mesh) {
   for (int c = 0; c < mesh.n_cells(); ++c) {
     std::vector<int> list(mesh.cell(c), mesh.cell(c) + nodes_of(mesh.kinds[c]));
     const std::vector<int> corner = list;
-    for (const auto& [a, b] : edges_of(mesh.kinds[c])) {
+    for (const auto& [a, b] : edge_ends(mesh.kinds[c])) {
       const auto [at, added] = middle.try_emplace(std::minmax(corner[a], corner[b]), out.n_nodes());
       if (added) out.nodes.push_back(0.5 * (mesh.nodes[corner[a]] + mesh.nodes[corner[b]]));
       list.push_back(at->second);
