@@ -7,7 +7,7 @@ namespace berm {
 namespace {
 
 /// Rounding of coordinates that are large against the cells must not look like a map that cannot be inverted.
-TEST(LinearShape, SmallCellsFarFromTheOrigin) {
+TEST(LinearShapeFarAway, SmallCellsFarFromTheOrigin) {
   StructuredGrid spec;
   spec.kind = GridKind::hexahedra;
   spec.origin = Vec3(7.0, 3.0, 11.0);
