@@ -269,7 +269,9 @@ void Recorder::record(const StepResult& result, Integration integration) {
   const Output& o = world_.spec.output;
   const bool due = o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12;
   follow_peak();
-  if (due) write_frame(take_frame());
+  if (!due) return;
+  write_frame(take_frame());
+  if (peak_ && peak_->time == world_.time) peak_.reset();  // it has its file
 }
 
 /// Keeps the state at the peak load (within 1 %) and writes it once the load has fallen by 3 %.
@@ -281,6 +283,12 @@ void Recorder::follow_peak() {
     write_frame(*peak_);
     peak_.reset();
   }
+}
+
+void Recorder::before_checkpoint() {
+  if (!peak_ || peak_->time == world_.time) return;
+  write_frame(*peak_);
+  peak_.reset();
 }
 
 Recorder::Frame Recorder::take_frame() const { return {world_.time, points_data(), mesh_data()}; }
@@ -532,9 +540,7 @@ void Recorder::resume(const RecorderState& s) {
   highest_ = s.highest;
   for (std::size_t k = 0; k < s.noise.size(); k += 2) noise_.emplace_back(s.noise[k], s.noise[k + 1]);
   restore_frames(s.frames);
-  if (!s.peak_pending) return;
-  highest_ = row_load_;  // the state kept for the peak's frame is lost: the present one stands in
-  peak_ = take_frame();
+  if (s.peak_pending) peak_ = take_frame();  // see before_checkpoint
 }
 
 /// Frames that are not in this folder, since the run goes on in another one, are left out.

@@ -37,6 +37,8 @@ public:
   /// In place of start(): goes on after a saved state, which world and step already have.
   void resume(const RecorderState& state);
   RecorderState state() const;
+  /// A state kept for the frame of the peak would be lost with the process: it is written, unless it is the present one.
+  void before_checkpoint();
 
   /// After every accepted step.
   void record(const StepResult& result, Integration integration);

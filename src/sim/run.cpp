@@ -103,6 +103,7 @@ private:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   void save() {
+    recorder_.before_checkpoint();
     save_checkpoint((folder_ / checkpoint_name).string(), *world_, step_, recorder_, control_);
     saved_ = std::chrono::steady_clock::now();
     log_.detail(fmt::format("checkpoint at time {:.9g}", world_->time));

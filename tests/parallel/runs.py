@@ -316,8 +316,8 @@ frames = 2
 load = "platen"
 displacement = "platen"
 """
-# A block that is drawn along through more than four cells by what it is tied to, so that nearly all points change their
-# process; the cells are shared out anew again and again.
+# A block that is drawn along through more than four cells, and stretched, by what it is tied to, so that nearly all
+# points change their process; the cells are shared out anew again and again.
 DRAWN = f"""
 [model]
 plane = "strain"
@@ -335,6 +335,15 @@ displacement = [0.4321, 0.0]
 [contact.grip]
 body = "block"
 rigid = "hand"
+kind = "tie"
+stiffness = 1.0
+[body.pull]
+rigid = true
+shape.box = {{ min = [1.0, 0.0], max = [1.1, 0.33] }}
+displacement = [0.4521, 0.0]
+[contact.pull]
+body = "block"
+rigid = "pull"
 kind = "tie"
 stiffness = 1.0
 [boundary.floor]
@@ -355,8 +364,8 @@ ghost_penalty = 0.01
 [output]
 frames = 4
 [output.nominal]
-load = "hand"
-displacement = "hand"
+load = "pull"
+displacement = "pull"
 direction = [1.0, 0.0]
 """
 DRAWN_SOLID = f"""
@@ -378,6 +387,15 @@ body = "block"
 rigid = "hand"
 kind = "tie"
 stiffness = 1.0
+[body.pull]
+rigid = true
+shape.box = {{ min = [0.5, 0.0, 0.0], max = [0.6, 0.23, 0.27] }}
+displacement = [0.2421, 0.0, 0.0]
+[contact.pull]
+body = "block"
+rigid = "pull"
+kind = "tie"
+stiffness = 1.0
 [boundary.floor]
 where.box.max = [10.0, 1e-6, 10.0]
 uy = 0.0
@@ -391,8 +409,8 @@ count = 12
 [output]
 frames = 3
 [output.nominal]
-load = "hand"
-displacement = "hand"
+load = "pull"
+displacement = "pull"
 direction = [1.0, 0.0, 0.0]
 """
 
@@ -807,7 +825,7 @@ class Refused(Case):
     def test_body_outside_the_grid(self):
         for n in (1, 2):
             done = call(command("shared", fresh("outside"), n, ["grid.cells=[12, 6]"]))
-            self.assert_one_message(done, 2, "lies outside the background grid")
+            self.assert_one_message(done, 2, "make the grid larger")
 
     def test_point_that_leaves_the_grid(self):
         """On the right only, where one process of two is."""
