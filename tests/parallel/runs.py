@@ -575,14 +575,16 @@ class AnyNumberOfProcesses(Case):
     # Multigrid differs with the number of processes: what is left is its tolerance.
     def test_iterative_solver(self):
         more = ["solver.linear=iterative", "solver.linear_tolerance=1e-10", "steps.count=4"]
-        self.same("cylinder", SMALL + more, history=1e-6, points=1e-6, counts=(2,))
+        # Where damage has just begun, the energy released so far is a small difference: 1e-4 of it.
+        self.same("cylinder", SMALL + more, history=1e-6, points=1e-4, counts=(2,))
 
     def test_tetrahedra(self):
         self.same("cylinder", [*SMALL, "grid.kind=tetrahedra", "steps.count=4"], points=1e-7, counts=(2,))
 
     def test_started_with_mpiexec(self):
+        # Not to the last digit: MUMPS on several processes adds contributions in the order in which they arrive.
         a, b = finished("cylinder", 2, SMALL), finished("cylinder", 2, SMALL, mpiexec=True)
-        self.assert_agree(a, b, 0.0, 0.0)
+        self.assert_agree(a, b, 1e-10, 1e-10)
         self.assert_complete(b)
 
     def test_gauge_control_before_the_peak(self):
