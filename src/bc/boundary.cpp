@@ -22,16 +22,35 @@ double youngs_modulus(const Case& c, int body) {
   return 0.0;
 }
 
-/// Part of a surface piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces. In
-/// space the piece is taken for a square.
+/// Part of a surface piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces.
 double share_inside(const Where& where, const SurfacePoint& s, int dimension) {
-  const int n = dimension == 2 ? 100 : 10;
-  const Vec3 along = dimension == 2 ? Vec3(-s.normal.y(), s.normal.x(), 0.0) : s.normal.unitOrthogonal();
-  const Vec3 across = dimension == 2 ? Vec3::Zero() : s.normal.cross(along);
   int count = 0, all = 0;
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < (dimension == 2 ? 1 : n); ++j, ++all)
-      count += inside(where, s.X + s.size * (((i + 0.5) / n - 0.5) * along + ((j + 0.5) / n - 0.5) * across));
+  const auto look = [&](const Vec3& x) {
+    count += inside(where, x);
+    ++all;
+  };
+  if (dimension == 2) {
+    const Vec3 along(-s.normal.y(), s.normal.x(), 0.0);
+    for (int i = 0; i < 100; ++i) look(s.X + s.size * ((i + 0.5) / 100 - 0.5) * along);
+    return double(count) / all;
+  }
+  // Equal parts of the triangle, or of the square that the quadrilateral is the image of.
+  constexpr int n = 10;
+  const auto& c = s.corner;
+  const bool quadrilateral = s.n_corners == 4;
+  const auto place = [&](double u, double v) {
+    return quadrilateral ? Vec3((1.0 - u) * ((1.0 - v) * c[0] + v * c[3]) + u * ((1.0 - v) * c[1] + v * c[2]))
+                         : Vec3(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0]));
+  };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      if (quadrilateral) {
+        look(place((i + 0.5) / n, (j + 0.5) / n));
+        continue;
+      }
+      if (i + j < n) look(place((i + 1.0 / 3.0) / n, (j + 1.0 / 3.0) / n));
+      if (i + j < n - 1) look(place((i + 2.0 / 3.0) / n, (j + 2.0 / 3.0) / n));
+    }
   return double(count) / all;
 }
 

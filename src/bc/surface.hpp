@@ -2,6 +2,7 @@
 /// Material points of a body's surface: they carry pressure and contact, move with the body, and work alike on the grid
 /// (mpm) and on element faces (fem).   [docs/theory/boundaries.md]
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct SurfacePoint {
   Vec3 normal = Vec3::Zero();       ///< outward
   double area = 0.0;                ///< [m2], with the thickness of the plane or around the axis
   double size = 0.0;                ///< edge length [m]
+  int n_corners = 0;                ///< in space: of the triangle or quadrilateral that the piece is
+  std::array<Vec3, 4> corner;
   std::vector<std::string> groups;  ///< physical curves (surfaces) of a body mesh
 };
 

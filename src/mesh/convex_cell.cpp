@@ -18,18 +18,19 @@ bool plane(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 void add_quad(ConvexCell& cell, const std::array<int, 4>& q) {
-  const std::vector<Vec3>& x = cell.vertices;
+  std::vector<Vec3>& x = cell.vertices;
   if (plane(x[q[0]], x[q[1]], x[q[2]], x[q[3]])) {
     cell.faces.push_back({q[0], q[1], q[2], q[3]});
     return;
   }
-  const auto before = [&](int a, int b) {
+  // In this order neighbours find the same mean to the last bit.
+  std::array<int, 4> s = q;
+  std::sort(s.begin(), s.end(), [&](int a, int b) {
     return std::lexicographical_compare(x[a].data(), x[a].data() + 3, x[b].data(), x[b].data() + 3);
-  };
-  const int s = static_cast<int>(std::min_element(q.begin(), q.end(), before) - q.begin());
-  const int a = q[s], b = q[(s + 1) % 4], c = q[(s + 2) % 4], d = q[(s + 3) % 4];
-  cell.faces.push_back({a, b, c});
-  cell.faces.push_back({a, c, d});
+  });
+  const int middle = static_cast<int>(x.size());
+  x.push_back(0.25 * (x[s[0]] + x[s[1]] + x[s[2]] + x[s[3]]));
+  for (int i = 0; i < 4; ++i) cell.faces.push_back({middle, q[i], q[(i + 1) % 4]});
 }
 
 }  // namespace

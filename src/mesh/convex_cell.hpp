@@ -14,8 +14,8 @@ struct ConvexCell {
 };
 
 /// From the corners of a hexahedron in VTK order (bottom counter-clockwise seen from above, then top), of positive
-/// volume. Faces that are not plane become two triangles, split at the corner with the smallest x (then y, z), so that
-/// neighbours agree. Such a cell need not be quite convex; SolidRegion::clip copes with that.
+/// volume. Faces that are not plane become four triangles around the mean of their corners: neighbours agree, and the
+/// volume is that of the trilinear cell. Such a cell need not be quite convex; SolidRegion::clip copes with that.
 ConvexCell hexahedron_cell(const std::array<Vec3, 8>& corners);
 /// From the corners of a tetrahedron in VTK order (positive volume).
 ConvexCell tetrahedron_cell(const std::array<Vec3, 4>& corners);

@@ -36,9 +36,9 @@ std::vector<BoundaryPiece> Region::boundary(double spacing) const {
   std::vector<BoundaryPiece> out;
   if (plane_)
     for (const PlaneBoundaryPiece& p : plane_->boundary(spacing))
-      out.push_back({in_space(p.centre), in_space(p.normal), p.length});
+      out.push_back({in_space(p.centre), in_space(p.normal), p.length, {}});
   else
-    for (const SolidBoundaryPiece& p : solid_->boundary(spacing)) out.push_back({p.centre, p.normal, p.area});
+    for (const SolidBoundaryPiece& p : solid_->boundary(spacing)) out.push_back({p.centre, p.normal, p.area, p.corner});
   return out;
 }
 

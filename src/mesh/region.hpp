@@ -23,7 +23,8 @@ struct Piece {
 /// A piece of the boundary, outward normal.
 struct BoundaryPiece {
   Vec3 centre, normal;
-  double measure;  ///< length [m] or area [m2]
+  double measure;              ///< length [m] or area [m2]
+  std::array<Vec3, 3> corner;  ///< of the triangle; only in space
 };
 
 class Region {

@@ -145,7 +145,7 @@ std::vector<SolidBoundaryPiece> SolidRegion::boundary(double spacing) const {
   pieces.reserve(fine.triangles.size());
   for (int t = 0; t < fine.n_triangles(); ++t)
     pieces.push_back({(fine.corner(t, 0) + fine.corner(t, 1) + fine.corner(t, 2)) / 3.0, fine.normals[t],
-                      area_vector(fine, t).norm()});
+                      area_vector(fine, t).norm(), {fine.corner(t, 0), fine.corner(t, 1), fine.corner(t, 2)}});
   return pieces;
 }
 

@@ -21,6 +21,7 @@ struct SolidPiece {
 struct SolidBoundaryPiece {
   Vec3 centre, normal;
   double area;
+  std::array<Vec3, 3> corner;
 };
 
 /// Axis-aligned cells of one size, each divided into equal boxes.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -184,6 +185,35 @@ void seed_boxes(const SolidRegion& region, const Grid& grid, const PointSeeding&
   }
 }
 
+/// Takes the mean products of two local coordinates out of the points of a full hexahedron with parallel edges, whose
+/// own are zero: places are scaled and sheared about their mean as little as that takes. Nothing if the points lie
+/// almost in a plane.
+void take_out_products(const Part& cell, const std::vector<int>& list, SeededPoints& points) {
+  LocalShape s;
+  local_shape(cell.kind, Vec3::Zero(), s);
+  const Mat3 J = cell_jacobian(cell.corners, 3, s), inverse = J.inverse();
+  const Vec3 centre = place(cell, Vec3::Zero());
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner(corner_sign[i][0], corner_sign[i][1], corner_sign[i][2]);
+    if ((inverse * (cell.corners.x[i] - centre) - corner).norm() > 1e-9) return;
+  }
+  Mat3 products = Mat3::Zero();
+  double sum = 0.0;
+  for (int p : list) {
+    const Vec3 xi = inverse * (points.x[p] + points.shift[p] - centre);
+    products += points.measure[p] * xi * xi.transpose();
+    sum += points.measure[p];
+  }
+  // With spreads S and correlations R the map S R^(-1/2) S^-1 leaves the spreads and takes out the correlations.
+  const Vec3 spread = (products.diagonal() / sum).cwiseSqrt();
+  if (!(spread.minCoeff() > 0.05)) return;
+  const Mat3 scale = spread.asDiagonal(), back = spread.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Mat3> R(back * products * back / sum);
+  if (!(R.eigenvalues()[0] > 0.05)) return;
+  const Mat3 map = J * scale * R.operatorInverseSqrt() * back * inverse;
+  for (int p : list) points.shift[p] = centre + map * (points.x[p] + points.shift[p] - centre) - points.x[p];
+}
+
 }  // namespace
 
 SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointSeeding& seeding,
@@ -262,6 +292,8 @@ void fit_to_cells(SeededPoints& points, const Region& region, const Grid& grid) 
       points.measure[p] *= piece.measure / sum;
       points.shift[p] = piece.centroid - mean;
     }
+    if (cell.kind == CellKind::hex8 && piece.measure >= (1.0 - sliver) * measure_of(cell))
+      take_out_products(cell, in_cell[c], points);
   }
 }
 

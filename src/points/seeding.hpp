@@ -35,7 +35,8 @@ SeededPoints seed_from_mesh(const Mesh& mesh, int per_element);
 /// variationally consistent integration in the sense of Chen, Hillman and Rueter 2013, formulation (23), (24)): in
 /// every cell the measures are scaled to that of the body in it; `shift` moves the place where a point sees the shape
 /// functions so that the mean place is the centroid of the body in the cell; a cell that the body touches but no point
-/// lies in gets one at that centroid.
+/// lies in gets one at that centroid. The gradients of a hexahedron have products of two coordinates too: in full cells
+/// whose edges are parallel the shifts differ from point to point such that these agree as well.
 void fit_to_cells(SeededPoints& points, const Region& region, const Grid& grid);
 
 }  // namespace berm

@@ -29,10 +29,11 @@ SurfacePoint surface_point(const Case& c, int body, const Vec3& x, const Vec3& n
   return s;
 }
 
-/// A straight-sided face in pieces: centres and measures.
+/// A straight-sided face in pieces.
 struct FacePieces {
   std::vector<Vec3> centre;
   std::vector<double> measure;
+  std::vector<std::array<Vec3, 4>> corner;  ///< 3 or 4; not of edges
 };
 
 FacePieces divide_edge(const Vec3& a, const Vec3& b, int n) {
@@ -47,27 +48,34 @@ FacePieces divide_edge(const Vec3& a, const Vec3& b, int n) {
 FacePieces divide_triangle(const std::array<Vec3, 4>& p, int n) {
   FacePieces out;
   const double area = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm() / (n * n);
-  const auto add = [&](double i, double j) {
-    out.centre.push_back(p[0] + (p[1] - p[0]) * (i / n) + (p[2] - p[0]) * (j / n));
+  const auto at = [&](double i, double j) -> Vec3 { return p[0] + (p[1] - p[0]) * (i / n) + (p[2] - p[0]) * (j / n); };
+  const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    out.centre.push_back((a + b + c) / 3.0);
     out.measure.push_back(area);
+    out.corner.push_back({a, b, c, Vec3::Zero()});
   };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i + j < n; ++i) {
-      add(i + 1.0 / 3.0, j + 1.0 / 3.0);
-      if (i + j < n - 1) add(i + 2.0 / 3.0, j + 2.0 / 3.0);
+      add(at(i, j), at(i + 1, j), at(i, j + 1));
+      if (i + j < n - 1) add(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
     }
   return out;
 }
 
 FacePieces divide_quad(const std::array<Vec3, 4>& p, int n) {
   FacePieces out;
+  const auto at = [&](double u, double v) -> Vec3 {
+    return (1.0 - u) * (1.0 - v) * p[0] + u * (1.0 - v) * p[1] + u * v * p[2] + (1.0 - u) * v * p[3];
+  };
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const double u = (i + 0.5) / n, v = (j + 0.5) / n;
       const Vec3 along = (1.0 - v) * (p[1] - p[0]) + v * (p[2] - p[3]);
       const Vec3 across = (1.0 - u) * (p[3] - p[0]) + u * (p[2] - p[1]);
-      out.centre.push_back((1.0 - u) * (1.0 - v) * p[0] + u * (1.0 - v) * p[1] + u * v * p[2] + (1.0 - u) * v * p[3]);
+      out.centre.push_back(at(u, v));
       out.measure.push_back(along.cross(across).norm() / (n * n));
+      const double d = 0.5 / n;
+      out.corner.push_back({at(u - d, v - d), at(u + d, v - d), at(u + d, v + d), at(u - d, v + d)});
     }
   return out;
 }
@@ -107,14 +115,21 @@ void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spaci
     for (std::size_t k = 0; k < pieces.centre.size(); ++k) {
       out.push_back(surface_point(c, body, pieces.centre[k], normal.normalized(), pieces.measure[k]));
       out.back().groups = common;
+      if (face.n == 2) continue;
+      out.back().n_corners = face.n;
+      out.back().corner = pieces.corner[k];
     }
   }
 }
 
 void add_surface_of_shape(const Case& c, int body, const Region& region, double spacing,
                           std::vector<SurfacePoint>& out) {
-  for (const BoundaryPiece& piece : region.boundary(spacing))
+  for (const BoundaryPiece& piece : region.boundary(spacing)) {
     out.push_back(surface_point(c, body, piece.centre, piece.normal, piece.measure));
+    if (region.dimension() == 2) continue;
+    out.back().n_corners = 3;
+    std::copy(piece.corner.begin(), piece.corner.end(), out.back().corner.begin());
+  }
 }
 
 }  // namespace berm

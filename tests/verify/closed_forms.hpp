@@ -20,6 +20,17 @@ struct Concrete {
   double A(double l) const { return 1.0 / (E * Gf / (l * ft * ft) - 0.5); }
 };
 
+/// The same concrete in a case file, with the strengths that the law asks for.
+inline std::string law_keys(const std::string& law) {
+  std::string keys = "law = \"" + law + "\"\n";
+  if (law == "simo_ju") keys += "strength_ratio = 12.3\n";
+  if (law != "linear_elastic") keys += "tensile_strength = 3.05e6\n";
+  if (law != "linear_elastic" && law != "mazars_classic") keys += "fracture_energy = 100.0\n";
+  if (law.starts_with("mazars")) keys += "compression_a = 1.20402\ncompression_b = 1607.06\n";
+  if (law == "mazars_classic") keys += "tension_a = 0.8\ntension_b = 17000.0\n";
+  return keys;
+}
+
 inline double plus(double x) { return std::max(x, 0.0); }
 
 /// C : e in principal axes.

@@ -18,16 +18,6 @@ struct ElementCase {
   Path path;
 };
 
-std::string law_keys(const std::string& law) {
-  std::string keys = fmt::format("law = \"{}\"\n", law);
-  if (law == "simo_ju") keys += "strength_ratio = 12.3\n";
-  if (law != "linear_elastic") keys += "tensile_strength = 3.05e6\n";
-  if (law != "linear_elastic" && law != "mazars_classic") keys += "fracture_energy = 100.0\n";
-  if (law.starts_with("mazars")) keys += "compression_a = 1.20402\ncompression_b = 1607.06\n";
-  if (law == "mazars_classic") keys += "tension_a = 0.8\ntension_b = 17000.0\n";
-  return keys;
-}
-
 std::string boundary(const std::string& name, double x, double y, const std::string& motion) {
   const double d = 1e-6;
   return fmt::format("[boundary.{}]\nwhere.box = {{ min = [{}, {}], max = [{}, {}] }}\n{}\n", name, x - d, y - d, x + d,
