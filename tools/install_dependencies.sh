@@ -8,6 +8,7 @@ packages=(
   libopenblas-pthread-dev                                      # the BLAS that comes by default is several times slower
   libeigen3-dev libfmt-dev libtomlplusplus-dev libcli11-dev    # small tensors, text, case files, command line
   libgmsh-dev libboost-dev zlib1g-dev                          # meshes, geometry, VTK files
+  openmpi-bin libopenmpi-dev libtrilinos-zoltan-dev libhdf5-openmpi-dev   # processes, their shares, checkpoints
   libgtest-dev                                                 # tests
   python3 python3-numpy python3-matplotlib python3-vtk9        # report
 )
