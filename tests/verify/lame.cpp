@@ -149,15 +149,17 @@ void study(const std::string& name, const std::vector<int>& cells, const Demand&
   row("order of the displacement", order_u, "2 or more", fmt::format("> {}", demand.order_u));
   row(fmt::format("L2 error of the stress, {} cells over the wall", cells.back()), last.stress, "0",
       fmt::format("{:.2g} %", 100 * demand.stress));
-  row("order of the stress", order_s, "1 or more", fmt::format("> {}", demand.order_s));
+  row("order of the stress", order_s, demand.order_s < 0.5 ? "1/2, limited by the load" : "1 or more",
+      fmt::format("> {}", demand.order_s));
 }
 
 TEST(ThickWalledCylinder, AroundTheAxis) {
   const std::vector<int> cells = {4, 8, 16, 32};
   study("axisymmetric fem, quad4", cells, {1e-3, 0.02, 1.7, 0.9},
         [](int n) { return around_the_axis("fem", 1, n, 0.0); });
-  // The pressure stands on ten pieces an edge, each with a point in its middle: corner and mid-side nodes of quadratic edges
-  // get shares that are off by 1/2400, and the stress of the loaded row of elements, whatever its size, by about as much.
+  // The pressure stands on ten pieces an edge, each with a point in its middle: of the load of a quadratic edge a
+  // corner gets 1/600 too little and the mid-side node 1/300 too much, and the stress of the loaded row of elements,
+  // whatever its size, is off by about as much.
   study("axisymmetric fem, quad8", cells, {1e-5, 1e-3, 2.7, 0.4},
         [](int n) { return around_the_axis("fem", 2, n, 0.0); });
   study("axisymmetric mpm, walls on grid lines", cells, {1e-3, 0.02, 1.7, 0.9},

@@ -29,11 +29,24 @@ INTRODUCTIONS = {
     "Single element": """One cell, each law, MPM and FEM, plane strain and plane stress, small and logarithmic strain (tests/verify/single_element.cpp, and with case files
 examples/01_single_element). The closed forms are programmed a second time in tests/verify/closed_forms.hpp, from the equations of theory/damage.md. In finite
 strain they hold between Kirchhoff stress and logarithmic strain. The rows give the largest relative error of any point at any of 25 steps of the eight runs.""",
+    "Single element in space": """A cube, each law, MPM and FEM, small and logarithmic strain (tests/verify/solid_element.cpp): the same closed forms with all
+three directions free to move where the path does not hold them. The rows give the largest relative error of any point at any of 25 steps of the four runs.""",
+    "Single element around the axis": """A cylinder and a ring of one cell, axisymmetric, each law, MPM and FEM, small and logarithmic strain (tests/verify/solid_element.cpp). Radial
+expansion strains the radius and the direction around the axis alike. The rows give the largest relative error of the eight runs.""",
     "Newton": """A block of 8 x 8 cells, clamped along half of its lower side and pulled, tough enough not to crack at once (tests/verify/newton_order.cpp). The order p of
 r(k+1) = c r(k)^p from the last three residuals of each damaging step that lie above rounding; the median over the steps.""",
+    "Newton in space": """A block of 4 x 4 x 4 cells, held and pulled as above (tests/verify/solid_newton.cpp). The iterative solver is conjugate gradients, or GMRES where
+damage grows, with algebraic multigrid and a tolerance of 1e-10. With one Krylov iteration allowed every system must reach the direct solver.""",
     "Patch test": """Unit square, E = 1 MPa, nu = 0.3, plane strain, u = (1e-3 x + 2e-4 y, 1e-4 x - 5e-4 y) on the boundary; displacement and stress at every point
 (tests/verify/patch.cpp). Where the grid does not fit the body, the nodes of the cut cells are held. Points of a body with a known outline have their
 quadrature fitted to body and cell and pass wherever they stand; points from a mesh file are taken as they are, and the error is that of their quadrature.""",
+    "Patch test in space": """Unit cube, E = 1 MPa, nu = 0.3, an affine displacement with nine different gradients on its surface, of 1e-3 in small and of some per cent in
+logarithmic strain (tests/verify/solid_patch.cpp); the worse of the two. Where the grid does not fit the body, the nodes of the cut cells are held.""",
+    "Blocks in space": """Blocks of cells of 0.25 m on three planes of symmetry, E = 30 GPa, nu = 0.2 (tests/verify/solid_loads.cpp). Pressure and contact act at the centres of
+pieces of the surface, a third of a cell long: the total is exact, but of all elements only hex8 with square pieces gets its nodes' shares right, and near the loaded
+face the displacement of the others is off by the figures below.""",
+    "Thick-walled cylinder": """Inner radius 0.05 m, outer radius 0.1 m, inner pressure 10 MPa, E = 30 GPa, nu = 0.2, ends held (tests/verify/lame.cpp): around the axis with 4 to 32
+cells over the wall, in space a quarter with 4 to 16. L2 errors over the points, orders between the two finest meshes.""",
     "Cantilever, self-weight": """8 m x 1 m, E = 90 MPa, nu = 0, 1000 kg/m3, 9.81 m/s2, Hencky's solid, tip deflection 8 % of the length (tests/verify/cantilever.cpp). In one step from
 the undeformed state, with points at Gauss positions, MPM and FEM are the same equations if, and only if, the increment of F takes its gradients on the
 configuration at t_n. With many steps the points leave the Gauss positions, which costs the updated Lagrangian form accuracy; the total Lagrangian one is
