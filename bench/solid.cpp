@@ -7,6 +7,7 @@
 /// many points, takes no step, and reports what it holds.
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <chrono>
 #include <cmath>
@@ -60,6 +61,7 @@ void take(berm::QuasiStaticStep& step, double dt, int& solves) {
 
 Row measure(int dofs, int steps, const std::string& petsc, const berm::Comm& comm) {
   const int cells = static_cast<int>(std::lround(std::cbrt(dofs / 3.0))) - 1;
+  malloc_trim(0);  // what the size before this one has freed is not to hide what this one takes
   const double before = memory("VmRSS");
   auto world = berm::build_world(cube(cells, petsc), comm);
   const double built = memory("VmRSS");

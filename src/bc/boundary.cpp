@@ -202,14 +202,13 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
 }
 
 void BoundaryConditions::read_pins_and_gauges(const Case& c, const Discretisation& d) {
-  const bool plane = c.space == Space::plane_strain || c.space == Space::plane_stress;
   for (const Pin& spec : c.pins) {
     PinPoint pin;
     const int body = body_index(c, spec.body);
     pin.anchor = anchor_at(body, spec.at);
     pin.id = static_cast<int>(pins_.size());
     for (int i = 0; i < dimension_; ++i)
-      if (spec.fixed[i]) pin.stiffness[i] = youngs_modulus(c, body) * (plane ? c.thickness : d.cell_size());
+      if (spec.fixed[i]) pin.stiffness[i] = youngs_modulus(c, body) * (is_plane(c.space) ? c.thickness : d.cell_size());
     pins_.push_back(pin);
   }
   std::map<int, Region> regions;
@@ -237,17 +236,14 @@ void BoundaryConditions::read_pins_and_gauges(const Case& c, const Discretisatio
 
 template <class Point>
 void BoundaryConditions::travel(std::vector<Point>& points, const Discretisation& d) {
-  std::vector<std::vector<Point>> to(comm_.size());
+  std::vector<int> owner;
   comm_.agree([&] {
-    for (Point& p : points) to[d.locate(p.anchor)].push_back(p);
+    for (Point& p : points) owner.push_back(d.locate(p.anchor));
   });
-  if (comm_.size() == 1) return;
-  if (!comm_.any([&] {
-        for (int r = 0; r < comm_.size(); ++r)
-          if (r != comm_.rank() && !to[r].empty()) return true;
-        return false;
-      }()))
-    return;
+  const bool leaving = std::any_of(owner.begin(), owner.end(), [&](int rank) { return rank != comm_.rank(); });
+  if (!comm_.any(leaving)) return;
+  std::vector<std::vector<Point>> to(comm_.size());
+  for (std::size_t k = 0; k < points.size(); ++k) to[owner[k]].push_back(points[k]);
   points = std::move(to[comm_.rank()]);
   to[comm_.rank()].clear();
   for (const auto& from : comm_.exchange(to)) points.insert(points.end(), from.begin(), from.end());

@@ -41,7 +41,7 @@ Table<Case> model_table() {
            "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
            "that crack but hardly move (method \"mpm\")");
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
-  t.only([](const Scope&, const Case& c) { return c.space == Space::plane_strain || c.space == Space::plane_stress; },
+  t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");
   t.vector("gravity", &Case::gravity, Unit::acceleration, "at time 1, linear in time");
   return t;

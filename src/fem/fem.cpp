@@ -5,11 +5,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "fem/geometry.hpp"
 #include "method/crack_band.hpp"
+#include "method/depth.hpp"
 
 namespace berm {
 namespace {
@@ -118,12 +118,6 @@ void FemDiscretisation::share_elements() {
     if (owner_of_element(e) == comm_.rank()) elements_.push_back(e);
 }
 
-/// What the measure of a Gauss point stands for: a ring around the axis, a plate, or nothing but itself.
-double FemDiscretisation::depth(const BodyMesh& b, double radius) const {
-  if (space_ == Space::axisymmetric) return 2.0 * std::numbers::pi * radius;
-  return space_ == Space::solid ? 1.0 : b.thickness;
-}
-
 /// Gauss points and material of this process's elements.
 void FemDiscretisation::build_points() {
   material = MaterialState{};
@@ -138,7 +132,7 @@ void FemDiscretisation::build_points() {
         const double radius = fem::place(mesh_, e, q.shape).x();
         inverse_.push_back(J.inverse());
         if (space_ == Space::axisymmetric) radius_.push_back(radius);
-        volume.push_back(q.weight * J.determinant() * depth(b, radius));
+        volume.push_back(q.weight * J.determinant() * depth(space_, b.thickness, radius));
         length.push_back(crack_band(b, e));
         id_.push_back(number++);
       }

@@ -77,7 +77,6 @@ private:
   double add_element(const BodyMesh& body, int element);
   const BodyMesh& body_mesh(int body) const;
   double crack_band(const BodyMesh& body, int element) const;
-  double depth(const BodyMesh& body, double radius) const;
   int owner_of_element(int element) const { return partition_.owner(cell_centre(mesh_, element)); }
   int element_of_point(std::int64_t id) const;
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "comm/mpi.hpp"
@@ -9,11 +11,12 @@
 namespace berm {
 namespace {
 
-/// In space a factorisation of more unknowns than this costs more than multigrid (bench/README.md).
-constexpr std::int64_t largest_direct = 20000;
 constexpr int most_iterations = 500;
 /// After so many systems in a row that the iterative method did not solve it is left out until the pattern changes.
 constexpr int patience = 3;
+/// Coarse levels are kept for the next systems until keeping them has cost this many more iterations than the system took
+/// for which they were made: making them takes as long (bench/README.md).
+constexpr int worth_of_levels = 30;
 
 }  // namespace
 
@@ -34,7 +37,7 @@ void LinearSolver::choose(const SystemLayout& layout) {
   using Linear = Solver::Linear;
   const std::string size = fmt::format("{} unknowns in {}", layout.n_global, layout.dimension == 3 ? "space" : "the plane");
   iterative_ = options_.linear == Linear::iterative ||
-               (options_.linear == Linear::automatic && layout.dimension == 3 && layout.n_global > largest_direct);
+               (options_.linear == Linear::automatic && layout.dimension == 3 && layout.n_global > largest_direct_in_space);
   if (layout.bordered) iterative_ = false;
   const char* factors = symmetric_ ? "L D L^T" : "L U";
   const char* krylov = symmetric_ ? "conjugate gradients" : "GMRES";
@@ -92,6 +95,7 @@ void LinearSolver::set_matrix(Mat matrix, const SystemLayout& layout, bool symme
   matrix_ = matrix;
   symmetric_ = symmetric;
   stagnated_ = 0;
+  excess_ = worth_of_levels;
   choose(layout);
   if (iterative_)
     make_iterative(layout);
@@ -111,12 +115,33 @@ bool LinearSolver::run(KSP ksp, Vec b, Vec x, int* iterations) {
   return reason > 0;
 }
 
+/// With the coarse levels of an earlier matrix as long as they serve. The finest level is always this matrix's, and what
+/// ends the iterations is the true residual, so that only their number depends on it.
+bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
+  PC pc;
+  PetscBool multigrid = PETSC_FALSE;
+  KSPGetPC(ksp_, &pc);
+  PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &multigrid);  // the case's options may say otherwise
+  const bool keep = multigrid && excess_ < worth_of_levels;
+  KSPSetReusePreconditioner(ksp_, keep ? PETSC_TRUE : PETSC_FALSE);
+  int n = 0;
+  const bool solved = run(ksp_, b, x, &n);
+  *iterations += n;
+  if (keep && !solved) {
+    excess_ = worth_of_levels;
+    return iterate(b, x, iterations);
+  }
+  if (!keep) fresh_iterations_ = n;
+  excess_ = !solved ? worth_of_levels : keep ? excess_ + std::max(0, n - fresh_iterations_) : 0;
+  return solved;
+}
+
 bool LinearSolver::solve(Vec b, Vec x) {
   const Stopwatch watch(seconds_);
   ++count_.solves;
   int iterations = 0;
   if (!iterative_ || stagnated_ < patience) {
-    const bool solved = run(ksp_, b, x, &iterations);
+    const bool solved = iterative_ ? iterate(b, x, &iterations) : run(ksp_, b, x, &iterations);
     count_.iterations += iterations;
     if (solved) {
       stagnated_ = 0;

@@ -34,13 +34,16 @@ private:
   void make_iterative(const SystemLayout& layout);
   KSP make_direct(const char* prefix) const;
   bool run(KSP ksp, Vec b, Vec x, int* iterations);
+  bool iterate(Vec b, Vec x, int* iterations);
 
   const Solver& options_;
   Comm comm_;
   Mat matrix_ = nullptr;
   KSP ksp_ = nullptr, fallback_ = nullptr;
   bool symmetric_ = false, iterative_ = false;
-  int stagnated_ = 0;  ///< in a row
+  int stagnated_ = 0;         ///< in a row
+  int fresh_iterations_ = 0;  ///< of the system for which the coarse levels were made
+  int excess_ = 0;            ///< iterations above that number since
   std::string choice_;
   LinearCount count_;
   double seconds_ = 0.0;

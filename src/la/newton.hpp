@@ -36,6 +36,10 @@ struct SystemLayout {
   std::vector<Vec3> places;          ///< of the owned nodes: rigid modes for multigrid
 };
 
+/// In space a factorisation of more unknowns than this costs several times what multigrid does (bench/README.md); smaller
+/// ones take little time, and the direct method does not mind how damaged the body is.
+constexpr std::int64_t largest_direct_in_space = 10000;
+
 /// Counts of the linear solver since the start.
 struct LinearCount {
   long solves = 0, iterations = 0, fallbacks = 0;

@@ -20,6 +20,8 @@ enum class Space { plane_strain, plane_stress, axisymmetric, solid };
 enum class Kinematics { finite, small };
 
 constexpr int dimension_of(Space space) { return space == Space::solid ? 3 : 2; }
+/// Models with a thickness.
+constexpr bool is_plane(Space space) { return space == Space::plane_strain || space == Space::plane_stress; }
 /// Components of grad u that a model has: rows and columns of its tangent.
 constexpr int components_of(Space space) {
   return space == Space::solid ? 9 : space == Space::axisymmetric ? 5 : 4;

@@ -26,10 +26,7 @@ Mat3 rotation(double angle) {
   return r;
 }
 
-/// The six tetrahedra of a cube by its corners in VTK order: from corner 0 along the axes in the order of the
-/// permutation to corner 6. Number = 2 * (longest axis) + (is the second axis the higher one of the other two?).
-constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 5, 1, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 7, 4, 6}};
-
+/// Which of kuhn_tetrahedra holds the place (u, v, w) of the unit cube.
 int kuhn_number(double u, double v, double w) {
   if (u >= v && u >= w) return v >= w ? 0 : 1;
   if (v >= w) return u >= w ? 2 : 3;
@@ -235,7 +232,7 @@ void add_solid_cells(const StructuredGrid& spec, Mesh& mesh) {
           mesh.add_cell(CellKind::hex8, cube);
           continue;
         }
-        for (const auto& corner : kuhn) {
+        for (const auto& corner : kuhn_tetrahedra) {
           const int tet[4] = {cube[corner[0]], cube[corner[1]], cube[corner[2]], cube[corner[3]]};
           mesh.add_cell(CellKind::tet4, tet);
         }

@@ -42,6 +42,11 @@ struct FaceCorners {
 std::span<const FaceCorners> faces_of(CellKind kind);
 constexpr int max_faces = 6;
 
+/// The six tetrahedra of a cube by its corners in VTK order: from corner 0 along the axes in the order of a permutation to
+/// corner 6 (Kuhn). Number = 2 * (longest axis) + (is the second axis the higher one of the other two?).
+constexpr int kuhn_tetrahedra[6][4] = {{0, 1, 2, 6}, {0, 5, 1, 6}, {0, 2, 3, 6},
+                                       {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 7, 4, 6}};
+
 /// The edges of a cell by its corners: 3, 4 (plane), 6, 12. Node corners_of(kind) + e of a quadratic cell is the
 /// mid-side node of edge e.
 std::span<const std::array<int, 2>> edges_of(CellKind kind);

@@ -24,9 +24,6 @@ using Index = std::array<int, 3>;
 constexpr int corner_bit[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                                   {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
-/// The six tetrahedra of a cube around the diagonal from corner 0 to corner 6 (Kuhn).
-constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 5, 1, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 7, 4, 6}};
-
 /// Collects cells of a lattice of planes; nodes are added on first use.
 class LatticeMesh {
 public:
@@ -45,7 +42,7 @@ public:
     const Index mirror = {cell[0] % 2, cell[1] % 2, cell[2] % 2};
     const bool turned = (mirror[0] + mirror[1] + mirror[2]) % 2 == 1;
     for (int c = 0; c < 8; ++c) cube[c] = node(corner(cell, c, mirror));
-    for (const auto& t : kuhn) {
+    for (const auto& t : kuhn_tetrahedra) {
       const int tetrahedron[4] = {cube[t[0]], cube[t[turned ? 2 : 1]], cube[t[turned ? 1 : 2]], cube[t[3]]};
       mesh_.add_cell(CellKind::tet4, tetrahedron);
     }

@@ -54,11 +54,10 @@ void QuasiStaticStep::prepare(Integration integration) {
   const bool symmetric = gauge_ < 0 && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
-    world_.begin_step();
+    if (!world_.step_begun) world_.begin_step();
     pressure_.assign(d.n_nodes(), Vec3::Zero());
     bc.add_pressure(pressure_);
     d.halo.add_to_owners(pressure_.data()->data(), 3);
-    d.halo.copy_to_ghosts(pressure_.data()->data(), 3);
     prepared_ = true;
   }
   if (connectivity_ != d.connectivity) last_dt_ = 0.0;
@@ -126,8 +125,10 @@ void QuasiStaticStep::sum_forces() {
   d.halo.add_to_owners(force_.data()->data(), 3);
   const double scale = norm(force_);
   external_.assign(d.n_nodes(), Vec3::Zero());
-  if (!world_.spec.gravity.isZero()) d.add_body_force(world_.spec.gravity * t1_, external_);
-  d.halo.add_to_owners(external_.data()->data(), 3);
+  if (!world_.spec.gravity.isZero()) {
+    d.add_body_force(world_.spec.gravity * t1_, external_);
+    d.halo.add_to_owners(external_.data()->data(), 3);
+  }
   for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += load_factor_ * pressure_[i];
   force_scale_ = std::max(scale, norm(external_));
   NodalVector resisting(d.n_nodes(), Vec3::Zero());
@@ -313,7 +314,7 @@ void QuasiStaticStep::accept() {
   last_dt_ = dt;
   world_.time = t1_;
   world_.load_factor = load_factor_;
-  prepared_ = false;
+  prepared_ = world_.step_begun = false;
 }
 
 StepTimes QuasiStaticStep::times() const {

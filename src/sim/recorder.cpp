@@ -270,8 +270,9 @@ void Recorder::record(const StepResult& result, Integration integration) {
   const bool due = o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12;
   follow_peak();
   if (!due) return;
-  write_frame(take_frame());
-  if (peak_ && peak_->time == world_.time) peak_.reset();  // it has its file
+  if (!peak_ || peak_->time != world_.time) return write_frame(take_frame());
+  write_frame(*peak_);  // just taken, and now it has its file
+  peak_.reset();
 }
 
 /// Keeps the state at the peak load (within 1 %) and writes it once the load has fallen by 3 %.

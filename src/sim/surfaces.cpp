@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
+
+#include "method/depth.hpp"
 
 namespace berm {
 namespace {
@@ -14,18 +15,8 @@ SurfacePoint surface_point(const Case& c, int body, const Vec3& x, const Vec3& n
   s.body = body;
   s.X = x;
   s.normal = normal;
-  switch (c.space) {
-    case Space::solid:
-      s.area = measure;
-      s.size = std::sqrt(measure);
-      return s;
-    case Space::axisymmetric:
-      s.area = measure * 2.0 * std::numbers::pi * x.x();
-      break;
-    default:
-      s.area = measure * c.thickness;
-  }
-  s.size = measure;
+  s.area = measure * depth(c.space, c.thickness, x.x());
+  s.size = c.space == Space::solid ? std::sqrt(measure) : measure;
   return s;
 }
 

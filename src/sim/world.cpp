@@ -4,11 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "fem/fem.hpp"
+#include "la/newton.hpp"
 #include "mesh/gmsh.hpp"
+#include "method/depth.hpp"
 #include "sim/surfaces.hpp"
 #include "transfer/mpm.hpp"
 
@@ -79,14 +80,6 @@ BodySummary summary_of(const Body& body, double cell_size) {
   return summary;
 }
 
-/// Volume of what a point or element at x with that measure stands for [m3].
-double volume_of(const Case& c, const Vec3& x, double measure) {
-  if (c.space == Space::axisymmetric) return measure * 2.0 * std::numbers::pi * x.x();
-  return measure * (c.space == Space::solid ? 1.0 : c.thickness);
-}
-
-double thickness_of(const Case& c) { return c.space == Space::solid || c.space == Space::axisymmetric ? 1.0 : c.thickness; }
-
 Grid make_grid(const Case& c) {
   if (const auto* structured = std::get_if<StructuredGrid>(&c.grid)) return make_structured_grid(*structured);
   return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
@@ -123,10 +116,10 @@ void build_mpm(World& w) {
       points = seed_from_grid(region, mpm->grid(), body.points, body.name);
       add_surface_of_shape(c, index, region, spacing, surface);
     }
-    mpm->add_body(index, body.name, material, points, thickness_of(c));
+    mpm->add_body(index, body.name, material, points, c.thickness);
     for (std::size_t p = 0; p < points.x.size(); ++p) {
       summary.measure += points.measure[p];
-      summary.mass += volume_of(c, points.x[p], points.measure[p]) * material.density;
+      summary.mass += points.measure[p] * depth(c.space, c.thickness, points.x[p].x()) * material.density;
     }
     summary.points = static_cast<int>(points.x.size());
     w.bodies.push_back(summary);
@@ -145,12 +138,12 @@ void build_fem(World& w) {
     if (body.rigid) continue;
     const Material& material = material_of(c, body);
     const Mesh mesh = body_mesh(c, body, body.mesh);
-    fem->add_body(index, body.name, material, mesh, thickness_of(c));
+    fem->add_body(index, body.name, material, mesh, c.thickness);
     BodySummary summary = summary_of(body, fem->cell_size());
     for (int e = 0; e < mesh.n_cells(); ++e) {
       const double measure = cell_measure(mesh, e);
       summary.measure += measure;
-      summary.mass += volume_of(c, cell_centre(mesh, e), measure) * material.density;
+      summary.mass += measure * depth(c.space, c.thickness, cell_centre(mesh, e).x()) * material.density;
     }
     summary.points = fem->points_of_body(index);
     summary.elements = mesh.n_cells();
@@ -209,7 +202,7 @@ void check_places(const World& w) {
 double solver_bytes(const World& w, long unknowns) {
   const double n = std::max(2L, unknowns);
   if (w.spec.dimension() == 2) return 31.0 / 2.0 * n * std::log2(n) * 8.0;
-  const bool direct = w.spec.solver.linear == Solver::Linear::direct || n <= 20000;
+  const bool direct = w.spec.solver.linear == Solver::Linear::direct || n <= largest_direct_in_space;
   return direct ? 8.0 * std::pow(n, 4.0 / 3.0) * 8.0 : 1.6 * 81.0 * n * 12.0;
 }
 
@@ -233,6 +226,7 @@ void World::begin_step() {
   boundary->move_anchors(*discretisation);
   discretisation->begin_step(boundary->anchors());
   boundary->begin_step(*discretisation);
+  step_begun = true;
 }
 
 std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
@@ -247,8 +241,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   for (const Material& m : w->spec.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.youngs_modulus; }, m.law));
   const double h = w->discretisation->cell_size();
-  const bool plane = w->spec.space == Space::plane_strain || w->spec.space == Space::plane_stress;
-  w->elastic_scale = youngs * h * (plane ? w->spec.thickness : h);
+  w->elastic_scale = youngs * h * (is_plane(w->spec.space) ? w->spec.thickness : h);
   w->discretisation->move_points(w->spec.parallel.rebalance);
   check_places(*w);
   w->begin_step();

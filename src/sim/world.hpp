@@ -29,6 +29,8 @@ struct World {
   double load_factor = 0.0;    ///< of the pressures
   double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
 
+  bool step_begun = false;     ///< begin_step has been called for the state at t_n
+
   /// Points and anchors find cells and processes; connectivity and prescribed unknowns of the coming step. Collective.
   void begin_step();
   /// Points of all processes. Collective.

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "method/crack_band.hpp"
+#include "method/depth.hpp"
 #include "shape/linear.hpp"
 
 namespace berm {
@@ -64,7 +65,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     // Around an axis the point stands for a ring (Pappus: exact for the centroid of its part, which a fitted quadrature
     // puts where the point sees the grid).
     const double radius = x.x() + (points.shift.empty() ? 0.0 : points.shift[p].x());
-    volume.push_back(points.measure[p] * (space_ == Space::axisymmetric ? 2.0 * M_PI * radius : thickness));
+    volume.push_back(points.measure[p] * depth(space_, thickness, radius));
     length.push_back(l);
     id_.push_back(n_points_ + static_cast<std::int64_t>(p));
     X_.push_back(x);
@@ -370,8 +371,8 @@ MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int 
   }
   // Length of the face: the h of (14).
   const double h = dimension() == 2 ? area : std::sqrt(corner.n == 3 ? 2.0 * area : area);
-  // Around an axis the face is a ring.
-  const double ring = space_ == Space::axisymmetric ? 2.0 * M_PI * 0.5 * (p[0].x() + p[1].x()) : 1.0;
+  // Around an axis the face is a ring; the thickness of the plane is in the penalty.
+  const double ring = depth(space_, 1.0, 0.5 * (p[0].x() + p[1].x()));
   const double root = std::sqrt(penalty * h * area / face.n_points * ring);
 
   Shape8 sa{}, sb{};

@@ -49,6 +49,31 @@ bool Model::run(const std::function<void(const StepResult&)>& after) {
   return true;
 }
 
+namespace {
+
+/// Order p of r_(k+1) = c r_k^p from three residuals.
+double order(double a, double b, double c) { return std::log(c / b) / std::log(b / a); }
+
+}  // namespace
+
+std::vector<double> newton_orders(Model& model, int steps) {
+  constexpr double rounding = 1e-11, quadratic_range = 5e-2;
+  std::vector<double> found;
+  for (int k = 0; k < steps; ++k) {
+    const double before = model.material().dissipated_energy();
+    const StepResult result = model.advance(1.0 / steps);
+    if (!(model.material().dissipated_energy() > before)) continue;
+    const std::vector<double>& r = result.residuals;
+    for (std::size_t i = r.size(); i-- > 2;)
+      if (r[i] > rounding && r[i - 2] < quadratic_range) {
+        found.push_back(order(r[i - 2], r[i - 1], r[i]));
+        fmt::print("  step {}: {:.2e} {:.2e} {:.2e}, order {:.2f}\n", k + 1, r[i - 2], r[i - 1], r[i], found.back());
+        break;
+      }
+  }
+  return found;
+}
+
 void record(const Row& row) {
   ::testing::Test::RecordProperty(fmt::format("{}: {}", row.group, row.quantity), fmt::format("{:.6g}", row.reached));
   fmt::print("  {} | {} | {:.6g} | {} | {}\n", row.group, row.quantity, row.reached, row.reference, row.tolerance);

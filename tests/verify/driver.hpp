@@ -41,6 +41,10 @@ struct Model {
   QuasiStaticStep step;
 };
 
+/// Takes all `steps` of a run. Orders of Newton's method seen in the last three residuals of every damaging step that are
+/// in the quadratic range: small already, but above the rounding of strains of 1e-4 next to deformation gradients of 1.
+std::vector<double> newton_orders(Model& model, int steps);
+
 /// |a - b| / |b|.
 inline double relative(double a, double b) { return std::abs(a - b) / std::abs(b); }
 

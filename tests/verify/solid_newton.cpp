@@ -56,35 +56,12 @@ absolute_tolerance = 1e-14
                      method, kinematics, keys, steps);
 }
 
-/// Order p of r_(k+1) = c r_k^p from three residuals.
-double order(double a, double b, double c) { return std::log(c / b) / std::log(b / a); }
-
-/// Orders seen in the last three residuals of every damaging step that are in the quadratic range: small already, but
-/// above the rounding of strains of 1e-4 next to deformation gradients of 1.
-std::vector<double> orders(Model& model) {
-  constexpr double rounding = 1e-11, quadratic_range = 5e-2;
-  std::vector<double> found;
-  for (int k = 0; k < steps; ++k) {
-    const double before = model.material().dissipated_energy();
-    const StepResult result = model.advance(1.0 / steps);
-    if (!(model.material().dissipated_energy() > before)) continue;
-    const std::vector<double>& r = result.residuals;
-    for (std::size_t i = r.size(); i-- > 2;)
-      if (r[i] > rounding && r[i - 2] < quadratic_range) {
-        found.push_back(order(r[i - 2], r[i - 1], r[i]));
-        fmt::print("  step {}: {:.2e} {:.2e} {:.2e}, order {:.2f}\n", k + 1, r[i - 2], r[i - 1], r[i], found.back());
-        break;
-      }
-  }
-  return found;
-}
-
 TEST(SolidNewton, QuadraticInDamagingSteps) {
   for (const std::string method : {"mpm", "fem"})
     for (const std::string law : {"simo_ju", "rankine"})
       for (const std::string kinematics : {"small", "finite"}) {
         Model model(case_text(method, law, kinematics));
-        std::vector<double> found = orders(model);
+        std::vector<double> found = newton_orders(model, steps);
         ASSERT_GE(found.size(), 3u) << method << " " << law << " " << kinematics;
         EXPECT_GT(model.material().max_damage(), 0.05);
         std::nth_element(found.begin(), found.begin() + found.size() / 2, found.end());
