@@ -64,6 +64,7 @@ Row measure(int dofs, int steps, const std::string& petsc, const berm::Comm& com
   malloc_trim(0);  // what the size before this one has freed is not to hide what this one takes
   const double before = memory("VmRSS");
   auto world = berm::build_world(cube(cells, petsc), comm);
+  malloc_trim(0);
   const double built = memory("VmRSS");
   berm::QuasiStaticStep step(*world);
   int unused = 0;
@@ -85,6 +86,7 @@ Row measure(int dofs, int steps, const std::string& petsc, const berm::Comm& com
   row.assembly = (end.assembly - start.assembly) / n;
   row.linear = (end.linear - start.linear) / n;
   row.bytes_per_point = comm.sum(built - before) / row.points;
+  malloc_trim(0);
   row.bytes_per_dof = comm.sum(memory("VmRSS") - built) / row.dofs;
   return row;
 }

@@ -48,7 +48,7 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
                                  double thickness) {
   youngs_of_slice_.push_back(std::visit([](const auto& law) { return law.youngs_modulus; }, spec.law) * thickness);
-  const bool mine = comm_.is_root();
+  const auto holder = [&](std::size_t p) { return static_cast<int>(p * comm_.size() / points.x.size()); };
   std::vector<double> volume, length;
   for (std::size_t p = 0; p < points.x.size(); ++p) {
     const Vec3& x = points.x[p];
@@ -61,7 +61,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     const double l = crack_band_length(spec, grid_.mesh, cell);
     const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
-    if (!mine) continue;
+    if (holder(p) != comm_.rank()) continue;  // until the first move_points
     // Around an axis the point stands for a ring (Pappus: exact for the centroid of its part, which a fitted quadrature
     // puts where the point sees the grid).
     const double radius = x.x() + (points.shift.empty() ? 0.0 : points.shift[p].x());
@@ -90,17 +90,18 @@ std::vector<double> MpmDiscretisation::point_rows(int slice) const {
   const Slice& s = material.slices[slice];
   const int width = row_width(slice);
   std::vector<double> rows(std::size_t(s.end - s.begin) * width);
-  for (int p = s.begin; p < s.end; ++p) {
-    double* row = rows.data() + std::size_t(p - s.begin) * width;
-    *row++ = static_cast<double>(id_[p]);
-    for (const Vec3* v : {&X_[p], &x_[p], &u_[p]}) row = std::copy_n(v->data(), 3, row);
-    *row++ = mass_[p];
-    *row++ = measure_[p];
-    *row++ = home_[p];
-    row = std::copy_n(shift_[p].data(), 3, row);
-    material.write_row(p, row);
-  }
+  for (int p = s.begin; p < s.end; ++p) write_row(p, rows.data() + std::size_t(p - s.begin) * width);
   return rows;
+}
+
+void MpmDiscretisation::write_row(int p, double* row) const {
+  *row++ = static_cast<double>(id_[p]);
+  for (const Vec3* v : {&X_[p], &x_[p], &u_[p]}) row = std::copy_n(v->data(), 3, row);
+  *row++ = mass_[p];
+  *row++ = measure_[p];
+  *row++ = home_[p];
+  row = std::copy_n(shift_[p].data(), 3, row);
+  material.write_row(p, row);
 }
 
 /// The points of all slices from rows; ascending ids make sums independent of the way the points came.
@@ -175,13 +176,12 @@ void MpmDiscretisation::send_points() {
   if (!comm_.any(leaving)) return;
   std::vector<std::vector<double>> mine(n_slices);
   for (int s = 0; s < n_slices; ++s) {
-    const std::vector<double> rows = point_rows(s);
-    const int width = row_width(s), begin = material.slices[s].begin;
+    const int width = row_width(s);
     std::vector<std::vector<double>> to(comm_.size());
-    for (std::size_t k = 0; k * width < rows.size(); ++k) {
-      const int target = owner[begin + k];
-      auto& list = target == comm_.rank() ? mine[s] : to[target];
-      list.insert(list.end(), rows.begin() + k * width, rows.begin() + (k + 1) * width);
+    for (int p = material.slices[s].begin; p < material.slices[s].end; ++p) {
+      auto& list = owner[p] == comm_.rank() ? mine[s] : to[owner[p]];
+      list.resize(list.size() + width);
+      write_row(p, list.data() + list.size() - width);
     }
     for (const auto& rows_from : comm_.exchange(to)) mine[s].insert(mine[s].end(), rows_from.begin(), rows_from.end());
   }

@@ -73,6 +73,7 @@ private:
     std::array<std::array<double, most_face_nodes>, most_face_points> jump;
   };
 
+  void write_row(int p, double* row) const;
   void place_points(const std::vector<std::vector<double>>& rows_of_slice);
   void find_cells();
   void share_cells(double rebalance);
