@@ -68,7 +68,7 @@ more than the fracture energy, which is the known bias of local damage on a grid
 TAIL = """
 ## Stress noise
 The metric `stress_noise` of summary.json is N = RMS over the points of |s - s'| / max |s|, with the in-plane stress components, |.| their Frobenius norm and s' a linear
-least-squares fit (weights: volume times a linear hat) over the points within one and a half cells. It is taken at the step closest to half the peak load. A smooth field gives
+least-squares fit (weights: volume times a linear hat) over the points within one and a half cells. It is taken at the step closest to half the peak load. In space the mean is over a sample of about 5000 points. A smooth field gives
 N near 0; the value says how much of the stress is the grid's.
 """
 
