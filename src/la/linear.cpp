@@ -14,9 +14,9 @@ namespace {
 constexpr int most_iterations = 500;
 /// After so many systems in a row that the iterative method did not solve it is left out until the pattern changes.
 constexpr int patience = 3;
-/// Coarse levels are kept for the next systems until keeping them has cost this many more iterations than the system took
-/// for which they were made: making them takes as long (bench/README.md).
-constexpr int worth_of_levels = 30;
+/// Multigrid is kept for the next systems until keeping it has cost this many more iterations than the system took for
+/// which it was made: making it takes about as long (bench/README.md).
+constexpr int worth_of_multigrid = 30;
 
 }  // namespace
 
@@ -61,8 +61,9 @@ KSP LinearSolver::make_direct(const char* prefix) const {
   return ksp;
 }
 
-void LinearSolver::make_iterative(const SystemLayout& layout) {
+void LinearSolver::make_iterative() {
   PC pc;
+  KSPDestroy(&ksp_);
   check_petsc(KSPCreate(mpi_comm(comm_), &ksp_), "creating a solver");
   KSPSetType(ksp_, symmetric_ ? KSPCG : KSPGMRES);
   if (!symmetric_) {
@@ -74,8 +75,11 @@ void LinearSolver::make_iterative(const SystemLayout& layout) {
   KSPSetTolerances(ksp_, options_.linear_tolerance, 0.0, 1e8, most_iterations);
   KSPGetPC(ksp_, &pc);
   PCSetType(pc, PCGAMG);
-  PCGAMGSetReuseInterpolation(pc, PETSC_TRUE);
+  check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+}
 
+/// Multigrid's coarse levels shall reproduce them.
+void LinearSolver::set_rigid_modes(const SystemLayout& layout) {
   Vec coordinates;
   check_petsc(MatCreateVecs(matrix_, &coordinates, nullptr), "creating a vector");
   PetscScalar* x;
@@ -95,13 +99,15 @@ void LinearSolver::set_matrix(Mat matrix, const SystemLayout& layout, bool symme
   matrix_ = matrix;
   symmetric_ = symmetric;
   stagnated_ = 0;
-  excess_ = worth_of_levels;
+  excess_ = worth_of_multigrid;
   choose(layout);
-  if (iterative_)
-    make_iterative(layout);
-  else
+  if (iterative_) {
+    set_rigid_modes(layout);
+    make_iterative();
+  } else {
     ksp_ = make_direct("");
-  check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+    check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+  }
 }
 
 bool LinearSolver::run(KSP ksp, Vec b, Vec x, int* iterations) {
@@ -115,24 +121,26 @@ bool LinearSolver::run(KSP ksp, Vec b, Vec x, int* iterations) {
   return reason > 0;
 }
 
-/// With the coarse levels of an earlier matrix as long as they serve. The finest level is always this matrix's, and what
-/// ends the iterations is the true residual, so that only their number depends on it.
+/// With the multigrid of an earlier matrix as long as it serves: what ends the iterations is the true residual, so that only
+/// their number depends on it. Then all of it is made anew; the parts that PETSc would keep (which unknowns are strongly
+/// coupled, bounds of eigenvalues) mislead where a part of the body has lost most of its stiffness.
 bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
   PC pc;
   PetscBool multigrid = PETSC_FALSE;
   KSPGetPC(ksp_, &pc);
   PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &multigrid);  // the case's options may say otherwise
-  const bool keep = multigrid && excess_ < worth_of_levels;
+  const bool keep = multigrid && excess_ < worth_of_multigrid;
+  if (multigrid && !keep) make_iterative();
   KSPSetReusePreconditioner(ksp_, keep ? PETSC_TRUE : PETSC_FALSE);
   int n = 0;
   const bool solved = run(ksp_, b, x, &n);
   *iterations += n;
   if (keep && !solved) {
-    excess_ = worth_of_levels;
+    excess_ = worth_of_multigrid;
     return iterate(b, x, iterations);
   }
   if (!keep) fresh_iterations_ = n;
-  excess_ = !solved ? worth_of_levels : keep ? excess_ + std::max(0, n - fresh_iterations_) : 0;
+  excess_ = !solved ? worth_of_multigrid : keep ? excess_ + std::max(0, n - fresh_iterations_) : 0;
   return solved;
 }
 

@@ -31,7 +31,8 @@ public:
 
 private:
   void choose(const SystemLayout& layout);
-  void make_iterative(const SystemLayout& layout);
+  void set_rigid_modes(const SystemLayout& layout);
+  void make_iterative();
   KSP make_direct(const char* prefix) const;
   bool run(KSP ksp, Vec b, Vec x, int* iterations);
   bool iterate(Vec b, Vec x, int* iterations);
@@ -42,7 +43,7 @@ private:
   KSP ksp_ = nullptr, fallback_ = nullptr;
   bool symmetric_ = false, iterative_ = false;
   int stagnated_ = 0;         ///< in a row
-  int fresh_iterations_ = 0;  ///< of the system for which the coarse levels were made
+  int fresh_iterations_ = 0;  ///< of the system for which multigrid was made
   int excess_ = 0;            ///< iterations above that number since
   std::string choice_;
   LinearCount count_;

@@ -60,7 +60,7 @@ public:
   /// the next set_matrix. symmetric: also positive definite. Collective.
   ///
   /// Direct solver: MUMPS, L D L^T or L U. Iterative: conjugate gradients or GMRES with algebraic multigrid that knows the
-  /// rigid modes; its prolongation is kept as long as the matrix keeps its pattern. PETSc's options override everything.
+  /// rigid modes and is kept for the next matrices while it serves. PETSc's options override everything.
   void set_matrix(CsrMatrix& matrix, const SystemLayout& layout, bool symmetric);
   /// What was chosen and why, for the log.
   const std::string& choice() const;

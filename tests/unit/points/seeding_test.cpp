@@ -280,6 +280,45 @@ TEST(FitToCells, VolumeAndCentroidOfEveryCellAreThoseOfTheBodyInIt) {
     }
 }
 
+/// In a cell full of points the mean products of two local coordinates are those of the cell too: zero. Before the fit
+/// they are not.
+TEST(FitToCells, FullHexahedraHaveNoMeanProducts) {
+  const Solid body = solids()[0];
+  const Region region(body.shape, 0.1);
+  const Grid grid = grid_of(GridKind::hexahedra, 0.0948148, 8);
+  BodyMeshOptions options;
+  options.kind = BodyMeshKind::tetrahedra;
+  options.size = 0.06;
+  options.structured = true;
+  SeededPoints points = seed_from_mesh(mesh_shape(body.shape, options), 4);
+  const auto largest_product = [&](int cell, bool fitted) {
+    const Corners box = corners(grid.mesh, cell);
+    const Vec3 edge = box.x[6] - box.x[0], centre = 0.5 * (box.x[0] + box.x[6]);
+    Mat3 products = Mat3::Zero();
+    double measure = 0.0;
+    for (std::size_t p = 0; p < points.x.size(); ++p) {
+      if (grid.locator->locate(points.x[p], -1) != cell) continue;
+      const Vec3 x = fitted ? Vec3(points.x[p] + points.shift[p]) : points.x[p];
+      const Vec3 xi = 2.0 * (x - centre).cwiseQuotient(edge);
+      products += points.measure[p] * xi * xi.transpose();
+      measure += points.measure[p];
+    }
+    products /= measure;
+    return std::max({std::abs(products(0, 1)), std::abs(products(1, 2)), std::abs(products(2, 0))});
+  };
+  std::vector<int> full;
+  for (int c = 0; c < grid.mesh.n_cells(); ++c)
+    if (region.clip(grid.mesh.kinds[c], corners(grid.mesh, c)).measure > (1.0 - 1e-9) * cell_measure(grid.mesh, c))
+      full.push_back(c);
+  ASSERT_GE(full.size(), 8u);
+  double before = 0.0, after = 0.0;
+  for (int c : full) before = std::max(before, largest_product(c, false));
+  fit_to_cells(points, region, grid);
+  for (int c : full) after = std::max(after, largest_product(c, true));
+  EXPECT_GT(before, 1e-3);
+  EXPECT_LT(after, 1e-12);
+}
+
 // ---- Gauss points of body meshes
 
 TEST(SeedFromMesh, EveryRuleKeepsTheArea) {
