@@ -49,6 +49,8 @@ struct IsotropicElastic {
     return {f * nu, 0.5 * f * (1.0 - 2.0 * nu)};
   }
 
+  double stiffness() const { return youngs_modulus; }
+
   /// Out-of-plane strain at which the elastic (effective) stress zz vanishes; plane_stress.hpp starts from it.
   double free_strain_zz(const Voigt& strain) const {
     return -poisson_ratio / (1.0 - poisson_ratio) * (strain[XX] + strain[YY]);

@@ -31,7 +31,9 @@ enum class Status : unsigned char {
 };
 
 struct LawInput {
-  Voigt strain = Voigt::Zero();  ///< small strain, or Hencky (logarithmic) strain; engineering shear [-]
+  /// Small strain, or Hencky (logarithmic) strain; engineering shear [-]. Of a law that keeps its elastic strain: the
+  /// trial elastic strain, that is what it becomes if no plastic flow happens in the step.
+  Voigt strain = Voigt::Zero();
   double length = 0.0;           ///< crack-band length of the integration domain [m]
   double dt = 1.0;               ///< size of this step in the step control's own time, for extrapolation
   Integration integration = Integration::implicit;
@@ -42,6 +44,7 @@ struct LawOutput {
   Voigt stress = Voigt::Zero();       ///< Cauchy (small strain) or Kirchhoff (Hencky) stress [Pa]
   Voigt66 tangent = Voigt66::Zero();  ///< d stress / d strain, consistent with `integration` [Pa]
   double damage = 0.0;                ///< 0 sound ... 1 broken, at the end of the step [-]
+  double plastic_strain = 0.0;        ///< laws of plasticity: accumulated, at the end of the step [-]
   double stored_energy = 0.0;         ///< free energy per reference volume [J/m3]
   double dissipated = 0.0;            ///< energy dissipated in this step per reference volume [J/m3]
   double extrapolation_error = 0.0;   ///< impl_ex: |damage used - damage of the step| [-]
@@ -55,6 +58,11 @@ struct LawOutput {
 ///   std::string check(double length) const;        "" or why the parameters cannot work with that crack-band length
 ///   void initial_state(double* state) const;
 ///   Status update(const LawInput&, const double* old_state, double* new_state, LawOutput&) const;
+///   double stiffness() const;                      representative Young's modulus, scales penalties [Pa]
+///
+/// A law of plasticity also says `static constexpr int elastic_strain = I`: its state holds the elastic strain (Voigt,
+/// engineering shear) in the six doubles from I on. It must be isotropic: trial elastic strain, elastic strain and stress
+/// share their axes (docs/theory/plasticity.md).
 template <class L>
 concept Law = requires(const L law, const LawInput& in, const double* old_state, double* new_state, LawOutput& out,
                        double length) {
@@ -65,6 +73,11 @@ concept Law = requires(const L law, const LawInput& in, const double* old_state,
   { law.check(length) } -> std::convertible_to<std::string>;
   {law.initial_state(new_state)};
   { law.update(in, old_state, new_state, out) } -> std::same_as<Status>;
+  { law.stiffness() } -> std::convertible_to<double>;
 };
+
+/// Laws whose strain is the trial elastic one.
+template <class L>
+inline constexpr bool keeps_elastic_strain = requires { L::elastic_strain; };
 
 }  // namespace berm
