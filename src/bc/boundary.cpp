@@ -16,9 +16,9 @@ int body_index(const Case& c, const std::string& name) {
   return -1;
 }
 
-double youngs_modulus(const Case& c, int body) {
+double stiffness_of(const Case& c, int body) {
   for (const Material& m : c.materials)
-    if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.youngs_modulus; }, m.law);
+    if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.stiffness(); }, m.law);
   return 0.0;
 }
 
@@ -181,7 +181,7 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
       add_rigid_points(c, static_cast<int>(k), region, d);
       continue;
     }
-    const double factor = spec.stiffness * youngs_modulus(c, body) / cell_size_;
+    const double factor = spec.stiffness * stiffness_of(c, body) / cell_size_;
     const double touching = 1e-3 * cell_size_;
     const std::size_t before = contacts_.size();
     for (const SurfacePoint& s : surface) {
@@ -208,7 +208,7 @@ void BoundaryConditions::read_pins_and_gauges(const Case& c, const Discretisatio
     pin.anchor = anchor_at(body, spec.at);
     pin.id = static_cast<int>(pins_.size());
     for (int i = 0; i < dimension_; ++i)
-      if (spec.fixed[i]) pin.stiffness[i] = youngs_modulus(c, body) * (is_plane(c.space) ? c.thickness : d.cell_size());
+      if (spec.fixed[i]) pin.stiffness[i] = stiffness_of(c, body) * (is_plane(c.space) ? c.thickness : d.cell_size());
     pins_.push_back(pin);
   }
   std::map<int, Region> regions;

@@ -116,7 +116,8 @@ enum class Quantity {
   displacement_x,
   displacement_y,
   displacement_z,
-  damage
+  damage,
+  plastic_strain
 };
 
 struct Probe {

@@ -35,6 +35,7 @@ public:
     check_nominal();
     check_groups();
     check_radii();
+    check_integration();
   }
 
 private:
@@ -188,6 +189,19 @@ private:
       x = std::min(x, std::cos(grid->angle) * p.x() - std::sin(grid->angle) * p.y());
     }
     check_radius(at("grid"), "origin", "the grid", x, grid->origin.norm() + size.norm());
+  }
+
+  /// Only damage can be extrapolated.
+  void check_integration() const {
+    for (const Material& m : c_.materials) {
+      if (!is_plastic(m.law)) continue;
+      const char* why = "material \"{}\" has a law of plasticity, which is always integrated implicitly";
+      if (c_.solver.integration != Integration::implicit)
+        at("solver").explain("integration", fmt::format(fmt::runtime(why), m.name));
+      if (c_.solver.snap_back == Solver::SnapBack::impl_ex)
+        at("solver").explain("snap_back", fmt::format(fmt::runtime(why), m.name));
+      return;
+    }
   }
 
   const Case& c_;

@@ -136,7 +136,7 @@ Table<Probe> probe_table() {
       {"stress_xx", Q::stress_xx},           {"stress_yy", Q::stress_yy}, {"stress_zz", Q::stress_zz},
       {"stress_xy", Q::stress_xy},           {"strain_xx", Q::strain_xx}, {"strain_yy", Q::strain_yy},
       {"strain_zz", Q::strain_zz},           {"strain_xy", Q::strain_xy}, {"displacement_x", Q::displacement_x},
-      {"displacement_y", Q::displacement_y}, {"damage", Q::damage}};
+      {"displacement_y", Q::displacement_y}, {"damage", Q::damage},       {"plastic_strain", Q::plastic_strain}};
   WordsByDimension<Q> quantities = {plane, plane};
   for (const auto& word : Words<Q>{{"stress_yz", Q::stress_yz},
                                    {"stress_zx", Q::stress_zx},

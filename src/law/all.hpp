@@ -2,6 +2,7 @@
 /// The list of laws. One line here and the case reader, the manual, the solvers and the law tests know the law.
 
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -20,6 +21,10 @@ template <class F>
 void for_each_law(F&& f) {
   [&f]<std::size_t... I>(std::index_sequence<I...>) { (f(std::variant_alternative_t<I, AnyLaw>{}), ...); }
   (std::make_index_sequence<std::variant_size_v<AnyLaw>>{});
+}
+
+inline bool is_plastic(const AnyLaw& law) {
+  return std::visit([](const auto& l) { return keeps_elastic_strain<std::decay_t<decltype(l)>>; }, law);
 }
 
 }  // namespace berm

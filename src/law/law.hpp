@@ -34,8 +34,8 @@ struct LawInput {
   /// Small strain, or Hencky (logarithmic) strain; engineering shear [-]. Of a law that keeps its elastic strain: the
   /// trial elastic strain, that is what it becomes if no plastic flow happens in the step.
   Voigt strain = Voigt::Zero();
-  double length = 0.0;           ///< crack-band length of the integration domain [m]
-  double dt = 1.0;               ///< size of this step in the step control's own time, for extrapolation
+  double length = 0.0;  ///< crack-band length of the integration domain [m]
+  double dt = 1.0;      ///< size of this step in the step control's own time, for extrapolation
   Integration integration = Integration::implicit;
   bool want_tangent = true;
 };
@@ -61,8 +61,8 @@ struct LawOutput {
 ///   double stiffness() const;                      representative Young's modulus, scales penalties [Pa]
 ///
 /// A law of plasticity also says `static constexpr int elastic_strain = I`: its state holds the elastic strain (Voigt,
-/// engineering shear) in the six doubles from I on. It must be isotropic: trial elastic strain, elastic strain and stress
-/// share their axes (docs/theory/plasticity.md).
+/// engineering shear) in the six doubles from I on. It must be isotropic: trial elastic strain, elastic strain and
+/// stress share their axes (docs/theory/plasticity.md).
 template <class L>
 concept Law = requires(const L law, const LawInput& in, const double* old_state, double* new_state, LawOutput& out,
                        double length) {
@@ -78,6 +78,8 @@ concept Law = requires(const L law, const LawInput& in, const double* old_state,
 
 /// Laws whose strain is the trial elastic one.
 template <class L>
-inline constexpr bool keeps_elastic_strain = requires { L::elastic_strain; };
+inline constexpr bool keeps_elastic_strain = requires {
+  L::elastic_strain;
+};
 
 }  // namespace berm

@@ -1,6 +1,6 @@
 #pragma once
-/// From a deformation gradient to stress and tangent, small or finite, in the plane, around an axis or in space: what the
-/// kernels of both methods call. docs/theory/damage.md, section "Finite strain".
+/// From a deformation gradient to stress and tangent, small or finite, in the plane, around an axis or in space: what
+/// the kernels of both methods call. docs/theory/damage.md, section "Finite strain".
 
 #include <cmath>
 
@@ -23,14 +23,13 @@ constexpr int dimension_of(Space space) { return space == Space::solid ? 3 : 2; 
 /// Models with a thickness.
 constexpr bool is_plane(Space space) { return space == Space::plane_strain || space == Space::plane_stress; }
 /// Components of grad u that a model has: rows and columns of its tangent.
-constexpr int components_of(Space space) {
-  return space == Space::solid ? 9 : space == Space::axisymmetric ? 5 : 4;
-}
+constexpr int components_of(Space space) { return space == Space::solid ? 9 : space == Space::axisymmetric ? 5 : 4; }
 
 struct PointResponse {
   Voigt stress = Voigt::Zero();  ///< Kirchhoff (finite) or Cauchy (small) stress [Pa]
-  Voigt strain = Voigt::Zero();  ///< Hencky (finite) or small strain, engineering shear [-]
-  double damage = 0.0;           ///< see LawOutput for these four
+  Voigt strain = Voigt::Zero();  ///< what the law was given: Hencky (finite) or small strain, engineering shear [-]
+  double damage = 0.0;           ///< see LawOutput for these five
+  double plastic_strain = 0.0;
   double stored_energy = 0.0;
   double dissipated = 0.0;
   double extrapolation_error = 0.0;
@@ -49,7 +48,7 @@ inline Mat3 tensor(const Voigt& v) {
   return m;
 }
 
-/// Strain and, if asked for, its rate; false if det F <= 0.
+/// Strain of F = I + h and, if asked for, its rate; false if det F <= 0.
 template <int components>
 bool strain_of(const Mat3& h, Kinematics kinematics, Voigt& strain, StrainRate<components>* rate) {
   if (kinematics == Kinematics::finite) return hencky_strain<components>(h, strain, rate);
@@ -59,6 +58,19 @@ bool strain_of(const Mat3& h, Kinematics kinematics, Voigt& strain, StrainRate<c
     strain[ZX] = h(2, 0) + h(0, 2);
   }
   if (rate) *rate = symmetric_part<components>();
+  return true;
+}
+
+/// Trial elastic strain of the step from old_f to f and, if asked for, its rate; false if a determinant is not
+/// positive. [plasticity (2), (3)]
+template <int components>
+bool trial_strain_of(const Mat3& old_f, const Mat3& f, Kinematics kinematics, const Voigt& elastic, Voigt& strain,
+                     StrainRate<components>* rate) {
+  const Mat3 increment = f - old_f;
+  if (kinematics == Kinematics::finite)
+    return trial_elastic_strain<components>(increment * old_f.inverse(), elastic, strain, rate);
+  strain_of<components>(increment, kinematics, strain, rate);
+  strain += elastic;
   return true;
 }
 
@@ -93,32 +105,49 @@ void modulus(const Voigt66& d, const StrainRate<components>& rate, const Voigt& 
   }
 }
 
+/// The law's answer. Plane stress: strain_zz is the total strain, whatever strain the law sees.
+template <Law L>
+Status ask(const L& law, Space space, LawInput& in, const double* old_state, double* new_state, LawOutput& out,
+           double& strain_zz) {
+  if (space != Space::plane_stress) return law.update(in, old_state, new_state, out);
+  double already = 0.0;  // plastic strain
+  if constexpr (keeps_elastic_strain<L>) already = strain_zz - old_state[L::elastic_strain + ZZ];
+  double seen = strain_zz - already;
+  const Status status = update_plane_stress(law, in, old_state, new_state, out, seen);
+  in.strain[ZZ] = seen;
+  strain_zz = seen + already;
+  return status;
+}
+
 }  // namespace response_detail
 
 /// Stress, and tangent if `tangent` is given, at the deformation gradient F (axisymmetric: with the hoop stretch in zz;
-/// plane: zz does not matter). `components` must be components_of(space). `settings` gives everything of LawInput but the
-/// strain. `strain_zz` (plane stress: first guess in, solution out; else untouched). Returns the law's status;
-/// not_admissible if det F <= 0.
+/// plane: zz does not matter) after old_F at t_n, which only laws of plasticity look at. `components` must be
+/// components_of(space). `settings` gives everything of LawInput but the strain. `strain_zz` (plane stress: first guess
+/// in, solution out; else untouched). Returns the law's status; not_admissible if a determinant is not positive.
 template <int components, Law L>
-Status point_response(const L& law, Space space, Kinematics kinematics, const Mat3& f, LawInput settings,
-                      const double* old_state, double* new_state, double& strain_zz, PointResponse& out,
-                      Modulus<components>* tangent = nullptr) {
+Status point_response(const L& law, Space space, Kinematics kinematics, const Mat3& old_f, const Mat3& f,
+                      LawInput settings, const double* old_state, double* new_state, double& strain_zz,
+                      PointResponse& out, Modulus<components>* tangent = nullptr) {
   StrainRate<components> rate;
+  StrainRate<components>* wanted_rate = tangent ? &rate : nullptr;
   settings.want_tangent = tangent != nullptr;
-  if (!response_detail::strain_of<components>(f - Mat3::Identity(), kinematics, settings.strain,
-                                              tangent ? &rate : nullptr))
-    return Status::not_admissible;
+  bool regular;
+  if constexpr (keeps_elastic_strain<L>)
+    regular = response_detail::trial_strain_of<components>(
+        old_f, f, kinematics, Eigen::Map<const Voigt>(old_state + L::elastic_strain), settings.strain, wanted_rate);
+  else
+    regular = response_detail::strain_of<components>(f - Mat3::Identity(), kinematics, settings.strain, wanted_rate);
+  if (!regular) return Status::not_admissible;
 
   LawOutput law_out;
-  const bool plane_stress = space == Space::plane_stress;
-  const Status status = plane_stress ? update_plane_stress(law, settings, old_state, new_state, law_out, strain_zz)
-                                     : law.update(settings, old_state, new_state, law_out);
+  const Status status = response_detail::ask(law, space, settings, old_state, new_state, law_out, strain_zz);
   if (status != Status::ok) return status;
 
-  if (plane_stress) settings.strain[ZZ] = strain_zz;
   out.strain = settings.strain;
   out.stress = law_out.stress;
   out.damage = law_out.damage;
+  out.plastic_strain = law_out.plastic_strain;
   out.stored_energy = law_out.stored_energy;
   out.dissipated = law_out.dissipated;
   out.extrapolation_error = law_out.extrapolation_error;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 namespace berm {
 namespace {
@@ -15,8 +16,9 @@ void for_each_law(const std::vector<Slice>& slices, Work work) {
   for (const Slice& slice : slices) std::visit([&](const auto& law) { work(law, slice); }, slice.law);
 }
 
-/// Doubles of a row besides the law's state: volume, length, F, strain zz, stress, strain, damage, two energies.
-constexpr int fixed_width = 2 + 9 + 1 + 6 + 6 + 3;
+/// Doubles of a row besides the law's state: volume, length, F, strain zz, stress, strain, damage, plastic strain, two
+/// energies.
+constexpr int fixed_width = 2 + 9 + 1 + 6 + 6 + 4;
 
 template <int components>
 Status respond_slice(const auto& law, const Slice& slice, const LawSettings& settings, MaterialState& m,
@@ -29,11 +31,21 @@ Status respond_slice(const auto& law, const Slice& slice, const LawSettings& set
   for (int p = slice.begin; p < slice.end; ++p, old_state += slice.n_state, new_state += slice.n_state) {
     in.length = m.length[p];
     new_zz[p] = old_zz[p];
-    const Status status = point_response<components>(law, settings.space, settings.kinematics, m.trial_F[p], in,
+    const Status status = point_response<components>(law, settings.space, settings.kinematics, m.F[p], m.trial_F[p], in,
                                                      old_state, new_state, new_zz[p], m.trial[p]);
     if (status != Status::ok && worst == Status::ok) worst = status;
   }
   return worst;
+}
+
+/// <eps - C^-1 sigma>_1
+double largest_inelastic_strain(const IsotropicElastic& law, const Voigt& stress, const Voigt& strain) {
+  const double E = law.youngs_modulus, nu = law.poisson_ratio;
+  const Mat3 s = response_detail::tensor(stress);
+  const Mat3 inelastic =
+      response_detail::tensor(tensor_components(strain)) - (1.0 + nu) / E * s + nu / E * s.trace() * Mat3::Identity();
+  const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(inelastic, Eigen::EigenvaluesOnly);
+  return std::max(0.0, spectrum.eigenvalues()[2]);
 }
 
 }  // namespace
@@ -47,6 +59,7 @@ void MaterialState::resize_points(std::size_t n) {
   stress.resize(n, Voigt::Zero());
   strain.resize(n, Voigt::Zero());
   damage.resize(n, 0.0);
+  plastic_strain.resize(n, 0.0);
   stored.resize(n, 0.0);
   dissipated.resize(n, 0.0);
 }
@@ -77,6 +90,7 @@ void MaterialState::add(int body, const AnyLaw& law, const std::vector<double>& 
 
 Status MaterialState::respond(const LawSettings& settings) {
   kinematics_ = settings.kinematics;
+  plane_stress_ = settings.space == Space::plane_stress;
   Status worst = Status::ok;
   for_each_law(slices, [&](const auto& law, const Slice& slice) {
     const double* old_state = state_.data() + slice.state_begin;
@@ -114,7 +128,7 @@ void MaterialState::modulus(int p, const LawSettings& settings, Modulus<componen
       [&](const auto& law) {
         static_assert(std::decay_t<decltype(law)>::n_state <= most_state);
         const double* old_state = state_.data() + slice.state_begin + std::size_t(p - slice.begin) * slice.n_state;
-        point_response<components>(law, settings.space, settings.kinematics, trial_F[p], in, old_state,
+        point_response<components>(law, settings.space, settings.kinematics, F[p], trial_F[p], in, old_state,
                                    unused_state.data(), zz, unused, &tangent);
       },
       slice.law);
@@ -133,11 +147,23 @@ void MaterialState::commit() {
     stress[p] = r.stress / J;
     strain[p] = r.strain;
     damage[p] = r.damage;
+    plastic_strain[p] = r.plastic_strain;
     stored[p] = r.stored_energy;
     dissipated[p] += r.dissipated;
   }
   strain_zz.swap(trial_strain_zz_);
   state_.swap(trial_state_);
+  for_each_law(slices, [&](const auto& law, const Slice& slice) {
+    if constexpr (keeps_elastic_strain<std::decay_t<decltype(law)>>)
+      for (int p = slice.begin; p < slice.end; ++p) strain[p] = total_strain(p);
+  });
+}
+
+Voigt MaterialState::total_strain(int p) const {
+  Voigt total;
+  response_detail::strain_of<9>(F[p] - Mat3::Identity(), kinematics_, total, nullptr);
+  if (plane_stress_) total[ZZ] = strain_zz[p];
+  return total;
 }
 
 int MaterialState::row_width(int slice) const { return fixed_width + slices[slice].n_state; }
@@ -151,6 +177,7 @@ void MaterialState::write_row(int p, double* row) const {
   put(stress[p].data(), 6);
   put(strain[p].data(), 6);
   put(&damage[p], 1);
+  put(&plastic_strain[p], 1);
   put(&stored[p], 1);
   put(&dissipated[p], 1);
   const Slice& slice = slices[slice_of(p)];
@@ -184,6 +211,7 @@ void MaterialState::replace(const std::vector<std::vector<double>>& rows_of_slic
       get(stress[p].data(), 6);
       get(strain[p].data(), 6);
       get(&damage[p], 1);
+      get(&plastic_strain[p], 1);
       get(&stored[p], 1);
       get(&dissipated[p], 1);
       get(state_.data() + slices[s].state_begin + std::size_t(p - slices[s].begin) * slices[s].n_state,
@@ -197,6 +225,14 @@ void MaterialState::replace(const std::vector<std::vector<double>>& rows_of_slic
 
 double MaterialState::max_damage() const {
   return damage.empty() ? 0.0 : *std::max_element(damage.begin(), damage.end());
+}
+
+double MaterialState::max_plastic_strain() const {
+  return plastic_strain.empty() ? 0.0 : *std::max_element(plastic_strain.begin(), plastic_strain.end());
+}
+
+bool MaterialState::has_plasticity() const {
+  return std::any_of(slices.begin(), slices.end(), [](const Slice& slice) { return is_plastic(slice.law); });
 }
 
 double MaterialState::stored_energy() const {
@@ -214,16 +250,10 @@ double MaterialState::dissipated_energy() const {
 std::vector<double> MaterialState::crack_opening() const {
   std::vector<double> opening(size(), 0.0);
   for_each_law(slices, [&](const auto& law, const Slice& slice) {
-    const double E = law.youngs_modulus, nu = law.poisson_ratio;
-    for (int p = slice.begin; p < slice.end; ++p) {
-      const Mat3 s = response_detail::tensor(stress[p]);
-      Voigt half = strain[p];
-      half.tail<3>() *= 0.5;
-      const Mat3 inelastic =
-          response_detail::tensor(half) - (1.0 + nu) / E * s + nu / E * s.trace() * Mat3::Identity();
-      const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(inelastic, Eigen::EigenvaluesOnly);
-      opening[p] = length[p] * std::max(0.0, spectrum.eigenvalues()[2]);
-    }
+    using L = std::decay_t<decltype(law)>;
+    if constexpr (std::is_base_of_v<IsotropicElastic, L> && !keeps_elastic_strain<L>)
+      for (int p = slice.begin; p < slice.end; ++p)
+        opening[p] = length[p] * largest_inelastic_strain(law, stress[p], strain[p]);
   });
   return opening;
 }

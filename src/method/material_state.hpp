@@ -42,18 +42,21 @@ public:
   void commit();
   /// Of this process's points: largest, and sums over the volume.
   double max_damage() const;
+  double max_plastic_strain() const;
+  bool has_plasticity() const;             ///< some body's law keeps its elastic strain; the same on all processes
   double stored_energy() const;            ///< of the committed state [J]
   double dissipated_energy() const;        ///< since the start [J]
   double max_extrapolation_error() const;  ///< of the trial state
 
-  /// Crack-band length times the largest principal inelastic strain, l <eps - C^-1 sigma>_1 [m].
+  /// Crack-band length times the largest principal inelastic strain, l <eps - C^-1 sigma>_1 [m]; 0 for laws that keep
+  /// their elastic strain.
   std::vector<double> crack_opening() const;
   /// Energy dissipated per crack area over the fracture energy of the law; 0 for laws without one. Exceeds 1 where the
   /// law dissipates more than Gf (compression).
   std::vector<double> released_energy_fraction() const;
 
-  /// Everything that a point of a slice keeps from step to step as a row of doubles: how points travel between processes
-  /// and into checkpoints.
+  /// Everything that a point of a slice keeps from step to step as a row of doubles: how points travel between
+  /// processes and into checkpoints.
   int row_width(int slice) const;
   void write_row(int p, double* row) const;
   /// Replaces the points of all slices by the given rows, in their order.
@@ -62,20 +65,23 @@ public:
   std::vector<Slice> slices;
   // per point, committed
   std::vector<double> volume, length;
-  std::vector<Mat3> F;             ///< deformation gradient (small strain: I + grad u); zz: hoop, 1 in the plane
-  std::vector<double> strain_zz;   ///< plane stress: out of plane
-  std::vector<Voigt> stress;       ///< Cauchy
-  std::vector<Voigt> strain;       ///< Hencky or small; engineering shear
-  std::vector<double> damage, stored, dissipated;  ///< energies per reference volume [J/m3]
+  std::vector<Mat3> F;            ///< deformation gradient (small strain: I + grad u); zz: hoop, 1 in the plane
+  std::vector<double> strain_zz;  ///< plane stress: out of plane
+  std::vector<Voigt> stress;      ///< Cauchy
+  std::vector<Voigt> strain;      ///< Hencky or small; engineering shear
+  std::vector<double> damage, plastic_strain;  ///< damage; accumulated plastic strain
+  std::vector<double> stored, dissipated;      ///< energies per reference volume [J/m3]
   // per point, trial
   std::vector<Mat3> trial_F;
   std::vector<PointResponse> trial;
 
 private:
   int slice_of(int p) const;
+  Voigt total_strain(int p) const;
   void resize_points(std::size_t n);
 
   Kinematics kinematics_ = Kinematics::finite;
+  bool plane_stress_ = false;
   std::vector<double> state_, trial_state_, trial_strain_zz_;
 };
 

@@ -94,9 +94,11 @@ void Recorder::fit_probes() {
   const PointBins bins(x, 1.5 * h, dimension_);
   for (const Probe& p : world_.spec.output.probes) {
     // A quadratic fit keeps peaks; damage is too rough for one.
-    const LocalFit fit = bins.fit(p.at, 1.5 * h, volume, p.quantity == Quantity::damage ? 1 : 2);
+    const LocalFit fit = bins.fit(p.at, 1.5 * h, volume,
+                                  p.quantity == Quantity::damage || p.quantity == Quantity::plastic_strain ? 1 : 2);
     NamedProbe probe{p, {}};
-    for (std::size_t k = 0; k < fit.point.size(); ++k) probe.weight_of_point.emplace_back(ids[fit.point[k]], fit.weight[k]);
+    for (std::size_t k = 0; k < fit.point.size(); ++k)
+      probe.weight_of_point.emplace_back(ids[fit.point[k]], fit.weight[k]);
     probes_.push_back(std::move(probe));
   }
 }
@@ -152,7 +154,7 @@ std::vector<double> Recorder::probe_values() const {
       return (c < 3 ? 1.0 : 0.5) * m.strain[p][c];
     }
     if (is_displacement(q)) return u[p][k - static_cast<int>(Quantity::displacement_x)];
-    return m.damage[p];
+    return q == Quantity::plastic_strain ? m.plastic_strain[p] : m.damage[p];
   };
   const std::vector<std::int64_t>& ids = d.point_ids();
   for (std::size_t k = 0; k < probes_.size(); ++k)
@@ -167,9 +169,9 @@ std::vector<double> Recorder::probe_values() const {
   return values;
 }
 
-/// N = RMS(stress - smooth stress) / max |stress|, smooth = linear fit over three cells, components in the plane or all.
-/// Process 0 looks at the points of all; in space, where a neighbourhood may hold a thousand, at a sample of them, spread by
-/// a multiplicative hash of their ids (Knuth 1973, 6.4): neighbours have consecutive ids.
+/// N = RMS(stress - smooth stress) / max |stress|, smooth = linear fit over three cells, components in the plane or
+/// all. Process 0 looks at the points of all; in space, where a neighbourhood may hold a thousand, at a sample of them,
+/// spread by a multiplicative hash of their ids (Knuth 1973, 6.4): neighbours have consecutive ids.
 double Recorder::stress_noise() const {
   const Discretisation& d = *world_.discretisation;
   constexpr int width = 11;
@@ -360,6 +362,7 @@ VtuData Recorder::points_data() const {
                        {"crack_opening", 1, m.crack_opening()},
                        {"released_energy_fraction", 1, m.released_energy_fraction()},
                        {"id", 1, d.point_ids()}};
+  if (m.has_plasticity()) data.point_fields.push_back({"plastic_strain", 1, m.plastic_strain});
   return data;
 }
 
@@ -454,17 +457,21 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       noise = value;
     }
   const double stored = stored_energy(), dissipated = dissipated_energy();
-  return {{"peak_load [N]", load},
-          {"peak_stress [Pa]", load / n.area},
-          {"displacement_at_peak [m]", curve[peak].displacement},
-          {"stiffness_10_40 [Pa]", stiffness},
-          {"stress_noise [-]", noise},
-          {"energy_error [-]", energy_error(stored, dissipated)},
-          {"dissipated_energy [J]", dissipated},
-          {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
-          {"cut_steps [-]", double(cut_steps_)},
-          {"newton_iterations [-]", double(newton_iterations_)},
-          {"points_lost [-]", double(n_points_ - world_.n_points())}};
+  std::vector<std::pair<std::string, double>> list = {
+      {"peak_load [N]", load},
+      {"peak_stress [Pa]", load / n.area},
+      {"displacement_at_peak [m]", curve[peak].displacement},
+      {"stiffness_10_40 [Pa]", stiffness},
+      {"stress_noise [-]", noise},
+      {"energy_error [-]", energy_error(stored, dissipated)},
+      {"dissipated_energy [J]", dissipated},
+      {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
+      {"cut_steps [-]", double(cut_steps_)},
+      {"newton_iterations [-]", double(newton_iterations_)},
+      {"points_lost [-]", double(n_points_ - world_.n_points())}};
+  const MaterialState& m = world_.discretisation->material;
+  if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
+  return list;
 }
 
 void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {
@@ -540,7 +547,8 @@ void Recorder::resume(const RecorderState& s) {
                     s.columns, n_columns_));
   open_history();
   for (std::size_t k = 0; k < s.rows.size(); k += n_columns_)
-    append({s.rows.begin() + static_cast<std::ptrdiff_t>(k), s.rows.begin() + static_cast<std::ptrdiff_t>(k) + n_columns_});
+    append({s.rows.begin() + static_cast<std::ptrdiff_t>(k),
+            s.rows.begin() + static_cast<std::ptrdiff_t>(k) + n_columns_});
   row_load_ = rows_[rows_.size() - n_columns_ + load_column];
   steps_ = s.steps;
   cut_steps_ = s.cut_steps;

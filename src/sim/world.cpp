@@ -239,7 +239,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
     build_fem(*w);
   double youngs = 0.0;
   for (const Material& m : w->spec.materials)
-    youngs = std::max(youngs, std::visit([](const auto& law) { return law.youngs_modulus; }, m.law));
+    youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
   const double h = w->discretisation->cell_size();
   w->elastic_scale = youngs * h * (is_plane(w->spec.space) ? w->spec.thickness : h);
   w->discretisation->move_points(w->spec.parallel.rebalance);

@@ -47,7 +47,7 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
                                  double thickness) {
-  youngs_of_slice_.push_back(std::visit([](const auto& law) { return law.youngs_modulus; }, spec.law) * thickness);
+  youngs_of_slice_.push_back(std::visit([](const auto& law) { return law.stiffness(); }, spec.law) * thickness);
   const auto holder = [&](std::size_t p) { return static_cast<int>(p * comm_.size() / points.x.size()); };
   std::vector<double> volume, length;
   for (std::size_t p = 0; p < points.x.size(); ++p) {

@@ -33,8 +33,8 @@ Response respond_with(const L& law, Space space, Kinematics kinematics, const Ma
   settings.length = length;
   Response out;
   Modulus<components> tangent;
-  EXPECT_EQ(point_response<components>(law, space, kinematics, f, settings, old_state.data(), next.data(),
-                                       out.strain_zz, out, &tangent),
+  EXPECT_EQ(point_response<components>(law, space, kinematics, Mat3::Identity(), f, settings, old_state.data(),
+                                       next.data(), out.strain_zz, out, &tangent),
             Status::ok);
   out.tangent = tangent;
   return out;
@@ -217,8 +217,8 @@ TYPED_TEST(EveryPoint, TangentIsLeftAloneUnlessAskedFor) {
   const Mat3 f = Mat3::Identity() + random_gradient(this->random, 3.0 * onset, Space::solid);
   double strain_zz = 0.25;
   PointResponse out;
-  ASSERT_EQ(point_response<9>(this->law, Space::solid, Kinematics::finite, f, settings, old_state.data(), next.data(),
-                              strain_zz, out),
+  ASSERT_EQ(point_response<9>(this->law, Space::solid, Kinematics::finite, Mat3::Identity(), f, settings,
+                              old_state.data(), next.data(), strain_zz, out),
             Status::ok);
   EXPECT_EQ((out.stress - respond(this->law, Space::solid, Kinematics::finite, f).stress).norm(), 0.0);
   EXPECT_EQ(strain_zz, 0.25);
@@ -294,6 +294,7 @@ struct WithoutHint {
   static constexpr std::string_view name = "without_hint", doc = "Simo-Ju behind a wall.";
   static constexpr int n_state = SimoJu::n_state;
   static std::vector<Parameter<WithoutHint>> parameters() { return {}; }
+  double stiffness() const { return law.stiffness(); }
   std::string check(double) const { return {}; }
   void initial_state(double* state) const { law.initial_state(state); }
   Status update(const LawInput& in, const double* old_state, double* new_state, LawOutput& out) const {
@@ -503,12 +504,14 @@ TEST(Hencky, TurnedInsideOutIsNotAdmissible) {
   double strain_zz = 0.0;
   PointResponse out;
   for (const Space space : {Space::plane_strain, Space::plane_stress})
-    EXPECT_EQ(point_response<4>(law, space, Kinematics::finite, f, LawInput{}, nullptr, nullptr, strain_zz, out),
+    EXPECT_EQ(point_response<4>(law, space, Kinematics::finite, Mat3::Identity(), f, LawInput{}, nullptr, nullptr,
+                                strain_zz, out),
               Status::not_admissible);
-  EXPECT_EQ(
-      point_response<5>(law, Space::axisymmetric, Kinematics::finite, f, LawInput{}, nullptr, nullptr, strain_zz, out),
-      Status::not_admissible);
-  EXPECT_EQ(point_response<9>(law, Space::solid, Kinematics::finite, f, LawInput{}, nullptr, nullptr, strain_zz, out),
+  EXPECT_EQ(point_response<5>(law, Space::axisymmetric, Kinematics::finite, Mat3::Identity(), f, LawInput{}, nullptr,
+                              nullptr, strain_zz, out),
+            Status::not_admissible);
+  EXPECT_EQ(point_response<9>(law, Space::solid, Kinematics::finite, Mat3::Identity(), f, LawInput{}, nullptr, nullptr,
+                              strain_zz, out),
             Status::not_admissible);
 }
 
