@@ -6,7 +6,8 @@ packages=(
   g++ cmake ninja-build ccache pkg-config                      # build
   libpetsc-real-dev                                            # solvers; brings MPI and MUMPS
   libopenblas-pthread-dev                                      # the BLAS that comes by default is several times slower
-  libeigen3-dev libfmt-dev libtomlplusplus-dev libcli11-dev    # small tensors, text, case files, command line
+  libeigen3-dev libfmt-dev libcli11-dev                        # small tensors, text, command line
+  libtomlplusplus-dev libmuparser-dev                          # case files, expressions in them
   libgmsh-dev libboost-dev zlib1g-dev                          # meshes, geometry, VTK files
   openmpi-bin libopenmpi-dev libtrilinos-zoltan-dev libhdf5-openmpi-dev   # processes, their shares, checkpoints
   libgtest-dev                                                 # tests

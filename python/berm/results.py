@@ -10,7 +10,6 @@ import csv
 import json
 import os
 import re
-import tomllib
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
@@ -263,22 +262,12 @@ class Run:
         return int(np.nanargmax(np.abs(stress)))
 
     def rigid_displacements(self, time):
-        """{name of a rigid body: its displacement [m] at that time} by case.toml; empty without that file.
-
-        Motions are given at load factor 1 and grow with it (docs/case_reference.md).
-        """
-        path = os.path.join(self.path, "case.toml")
-        if not os.path.isfile(path):
-            return {}
-        try:
-            with open(path, "rb") as file:
-                bodies = tomllib.load(file).get("body", {})
-        except (OSError, tomllib.TOMLDecodeError) as error:
-            raise ResultError(f"cannot read {path}: {error}") from None
-        factor = np.interp(time, self.history["time"], self.history.get("load_factor", self.history["time"]))
-        rigid = {name: body for name, body in bodies.items() if body.get("rigid")}
-        still = (0.0,) * self.dimension
-        return {name: factor * np.array(body.get("displacement", still), float) for name, body in rigid.items()}
+        """{name of a rigid body: its displacement [m] at the time of a frame}, from summary.json."""
+        moved = {}
+        for name, instants in self.summary.get("rigid_motion", {}).items():
+            instants = np.array(instants, float).reshape(-1, 4)
+            moved[name] = np.array([np.interp(time, instants[:, 0], u) for u in instants.T[1 : 1 + self.dimension]])
+        return moved
 
     def frame(self, index):
         """Point fields of a frame, with its "time" [s]. Negative indices count from the end."""

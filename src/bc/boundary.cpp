@@ -103,7 +103,7 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
       if (!inside(spec.where, mesh.nodes[node])) continue;
       any = true;
       for (int i = 0; i < dimension_; ++i)
-        if (spec.u[i]) prescribe(node, i, static_cast<int>(b), *spec.u[i]);
+        if (spec.u[i]) prescribe(node, i, static_cast<int>(b));
     }
     if (!any)
       throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
@@ -112,25 +112,24 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
 }
 
 /// The first boundary owns a displacement; a second one may only repeat it.
-void BoundaryConditions::prescribe(int node, int component, int boundary, double value) {
+void BoundaryConditions::prescribe(int node, int component, int boundary) {
   const auto [owner, is_new] = owner_.try_emplace({node, component}, conditions_.size());
   if (is_new) {
-    conditions_.push_back({node, component, boundary, value});
+    conditions_.push_back({node, component, boundary});
     return;
   }
   const NodeCondition& first = conditions_[owner->second];
-  if (first.value != value)
-    throw InputError(fmt::format(
-        "[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
-        "make their regions disjoint",
-        case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, "xyz"[component]));
+  if (case_.boundaries[first.boundary].u[component] != case_.boundaries[boundary].u[component])
+    throw InputError(
+        fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
+                    "make their regions disjoint",
+                    case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, "xyz"[component]));
 }
 
 void BoundaryConditions::read_pressures(const Case& c, const std::vector<SurfacePoint>& surface) {
   for (std::size_t k = 0; k < c.pressures.size(); ++k) {
     const Pressure& spec = c.pressures[k];
     const int body = body_index(c, spec.body);
-    Vec3 total = Vec3::Zero();
     bool any = false;
     for (const SurfacePoint& s : surface) {
       if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
@@ -140,15 +139,13 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(pressures_.size());
       point.load = static_cast<int>(k);
-      point.force = -spec.value * share * s.area * s.normal;
-      total += point.force;
+      point.area = -share * s.area * s.normal;
       any = true;
       pressures_.push_back(point);
     }
     if (!any)
       throw InputError(fmt::format("[pressure.{}] catches no part of the surface of body \"{}\": check its where",
                                    spec.name, spec.body));
-    pressure_force_.push_back(total);
   }
 }
 
@@ -308,8 +305,7 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
   for (ContactPoint& p : contacts_) {
     if (case_.contacts[p.contact].kind == Contact::Kind::tie) continue;
     const int rigid = rigid_of_contact_[p.contact];
-    const Region::Nearest nearest =
-        rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u - rigid_offset_[rigid]);
+    const Region::Nearest nearest = rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u - rigid_offset_[rigid]);
     p.normal = nearest.normal;
     p.gap = nearest.distance;
   }
@@ -317,21 +313,29 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
 
 std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t1) const {
   std::vector<double> du(fixed_.size(), 0.0);
-  for (const auto& [k, node] : local_conditions_)
-    du[dimension_ * node + conditions_[k].component] = conditions_[k].value * (t1 - t0);
+  for (const auto& [k, node] : local_conditions_) {
+    const NodeCondition& c = conditions_[k];
+    const TimeFunction& u = *case_.boundaries[c.boundary].u[c.component];
+    du[dimension_ * node + c.component] = u.at(t1) - u.at(t0);
+  }
   for (std::size_t node = 0; node < moved_by_.size(); ++node) {
     if (moved_by_[node] < 0) continue;
-    const Vec3& motion = case_.bodies[rigid_of_contact_[moved_by_[node]]].displacement;
-    for (int i = 0; i < dimension_; ++i) du[dimension_ * node + i] = motion[i] * (t1 - t0);
+    const Vec3 motion = rigid_step(rigid_of_contact_[moved_by_[node]], t0, t1);
+    for (int i = 0; i < dimension_; ++i) du[dimension_ * node + i] = motion[i];
   }
   return du;
+}
+
+Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
+  const VectorFunction& motion = case_.bodies[body].displacement;
+  return motion.at(t1) - motion.at(t0);
 }
 
 /// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip.   [boundaries (3), (4)]
 BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
                                                                    double t0, double t1) const {
   const Contact::Kind kind = case_.contacts[point.contact].kind;
-  const Vec3 rigid = case_.bodies[rigid_of_contact_[point.contact]].displacement * (t1 - t0);
+  const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
   const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;
   if (kind == Contact::Kind::tie) return {-k * (point.slip + relative), k * Mat3::Identity(), true};
@@ -370,14 +374,33 @@ void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1,
   }
 }
 
-void BoundaryConditions::add_pressure(NodalVector& f) const {
-  for (const PressurePoint& p : pressures_)
-    for (int k = 0; k < p.anchor.stencil.n; ++k) f[p.anchor.stencil.node[k]] += p.anchor.stencil.N[k] * p.force;
+Vec3 BoundaryConditions::force_of(const PressurePoint& point, double time) const {
+  return case_.pressures[point.load].value.at(time, point.anchor.x) * point.area;
+}
+
+void BoundaryConditions::add_pressure(double time, NodalVector& f) const {
+  for (const PressurePoint& p : pressures_) {
+    const Vec3 force = force_of(p, time);
+    const Stencil& s = p.anchor.stencil;
+    for (int k = 0; k < s.n; ++k) f[s.node[k]] += s.N[k] * force;
+  }
+}
+
+std::vector<Vec3> BoundaryConditions::pressure_forces(double time) const {
+  std::vector<double> sums(3 * case_.pressures.size(), 0.0);
+  for (const PressurePoint& p : pressures_) {
+    const Vec3 force = force_of(p, time);
+    for (int i = 0; i < 3; ++i) sums[3 * p.load + i] += force[i];
+  }
+  comm_.sum(sums);
+  std::vector<Vec3> forces;
+  for (std::size_t k = 0; k < sums.size(); k += 3) forces.emplace_back(sums[k], sums[k + 1], sums[k + 2]);
+  return forces;
 }
 
 void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
   for (ContactPoint& p : contacts_) {
-    const Vec3 rigid = case_.bodies[rigid_of_contact_[p.contact]].displacement * (t1 - t0);
+    const Vec3 rigid = rigid_step(rigid_of_contact_[p.contact], t0, t1);
     const Vec3 relative = p.anchor.stencil.interpolate(du) - rigid;
     if (case_.contacts[p.contact].kind == Contact::Kind::tie) {
       p.slip += relative;
@@ -387,7 +410,7 @@ void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
     p.slip = touches ? Vec3(p.slip + relative - p.normal * p.normal.dot(relative)) : Vec3::Zero();
   }
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
-    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement * t1;
+    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(t1);
 }
 
 void BoundaryConditions::share_gauges() {
@@ -431,7 +454,9 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
       sums[3 * (n_bodies + condition.boundary) + condition.component] += residual[node][condition.component];
   }
   comm_.sum(sums);
-  const auto vector_at = [&](std::size_t index) { return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]); };
+  const auto vector_at = [&](std::size_t index) {
+    return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]);
+  };
   Reactions out;
   for (std::size_t b = 0; b < n_bodies; ++b) out.rigid.push_back(vector_at(b));
   for (std::size_t b = 0; b < n_boundaries; ++b) out.boundary.push_back(vector_at(n_bodies + b));
@@ -507,7 +532,7 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
 
 void BoundaryConditions::restore_rigid(double time) {
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
-    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement * time;
+    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(time);
   for (RigidPoint& p : rigid_points_) {
     p.anchor.u = rigid_offset_[p.anchor.body];
     if (case_.kinematics == Kinematics::finite) p.anchor.x = p.anchor.X + p.anchor.u;

@@ -38,9 +38,8 @@ public:
 
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const NodalVector& du, double t0, double t1, NodalVector& f, BlockAssembler* matrix) const;
-  /// Pressure forces at load factor 1, added to f.
-  void add_pressure(NodalVector& f) const;
-  bool has_pressure() const { return !pressure_force_.empty(); }
+  /// Pressure forces at that time, where the surface is at t_n, added to f.
+  void add_pressure(double time, NodalVector& f) const;
 
   /// Contact state at the end of the step, before the anchors move; gauges once they have. Collective.
   void commit(const NodalVector& du, double t0, double t1);
@@ -49,8 +48,8 @@ public:
   /// What supports and rigid bodies do to the material at the increment du, whose nodal residual (complete at owned
   /// nodes) is given. Collective.
   Reactions reactions(const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
-  /// Total force of a pressure (index into the case's) at load factor 1 [N].
-  Vec3 pressure_force(int load) const { return pressure_force_[load]; }
+  /// Total force of every pressure at that time, where the surface is at t_n [N]. Collective.
+  std::vector<Vec3> pressure_forces(double time) const;
 
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.
@@ -71,7 +70,6 @@ public:
 private:
   struct NodeCondition {
     int node, component, boundary;  ///< node of the mesh
-    double value;
   };
   /// Force on the body at a contact point and its stiffness.
   struct ContactForce {
@@ -81,7 +79,7 @@ private:
   };
 
   void read_boundaries(const Case& c, const Discretisation& d);
-  void prescribe(int node, int component, int boundary, double value);
+  void prescribe(int node, int component, int boundary);
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
   void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
@@ -89,6 +87,8 @@ private:
   template <class Point>
   void travel(std::vector<Point>& points, const Discretisation& d);
   void share_nodes(const Discretisation& d);
+  Vec3 rigid_step(int body, double t0, double t1) const;
+  Vec3 force_of(const PressurePoint& point, double time) const;
   ContactForce contact_force(const ContactPoint& point, const NodalVector& du, double t0, double t1) const;
 
   const Case& case_;
@@ -102,7 +102,6 @@ private:
   std::vector<RigidPoint> rigid_points_;
   std::vector<PinPoint> pins_;
   std::vector<GaugeLine> gauges_;
-  std::vector<Vec3> pressure_force_;    ///< by case pressure
   std::vector<int> rigid_of_contact_;   ///< case body
   std::map<int, Region> rigid_regions_;
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body

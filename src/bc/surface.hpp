@@ -30,7 +30,7 @@ struct SurfacePoint {
 struct PressurePoint {
   Anchor anchor;
   int id = 0, load = 0;        ///< load: index into the case's pressures
-  Vec3 force = Vec3::Zero();   ///< at load factor 1 [N]
+  Vec3 area = Vec3::Zero();    ///< times the direction into the body, at reference [m2]
 };
 
 /// A surface point against a rigid body.

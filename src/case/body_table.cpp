@@ -169,7 +169,8 @@ Table<Body> body_table() {
   t.table("points", &Body::points, points_table()).only(deformable, "in deformable bodies");
   t.table("mesh", &Body::mesh, mesh_table());
   t.no_default().only(meshed, "in deformable bodies with a shape");
-  t.vector("displacement", &Body::displacement, Unit::length, "motion at time 1, linear in time");
+  t.vector_function("displacement", &Body::displacement, Unit::length,
+                    "motion; a number is reached linearly at the end of the run");
   t.only(rigid, "in rigid bodies (deformable ones are moved by [boundary.NAME])");
   t.check(check_body);
   return t;

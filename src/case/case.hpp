@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/time_function.hpp"
 #include "law/all.hpp"
 #include "law/point_response.hpp"
 #include "mesh/gmsh.hpp"
@@ -56,14 +57,14 @@ struct Body {
       mesh_group;        ///< Gmsh file (path resolved against the case file) and physical surface ("" = all cells)
   PointSeeding points;   ///< mpm
   BodyMeshOptions mesh;  ///< fem
-  Vec3 displacement = Vec3::Zero();  ///< rigid: motion at time 1, linear in time [m]
+  VectorFunction displacement;  ///< rigid: motion [m]
 };
 
 /// Prescribed displacement of grid nodes (mpm) or body-mesh nodes (fem) in a region.
 struct NodeBoundary {
   std::string name;
   Where where;
-  std::array<std::optional<double>, 3> u;  ///< ux, uy, uz: displacement at time 1, linear in time [m]; absent: free
+  std::array<std::optional<TimeFunction>, 3> u;  ///< ux, uy, uz: displacement [m]; absent: free
 };
 
 /// Held material points (any place inside a body): removes rigid motion where no boundary does.
@@ -78,7 +79,7 @@ struct Pin {
 struct Pressure {
   std::string name, body;
   Where where;
-  double value = 0.0;  ///< at time 1, linear in time; positive pushes into the body [Pa]
+  TimeFunction value;  ///< positive pushes into the body [Pa]
 };
 
 /// A deformable body's surface against a rigid body.
@@ -129,18 +130,19 @@ struct Probe {
 /// What drives the run.
 struct Control {
   enum class Kind {
-    time,  ///< displacements and loads grow linearly in time from 0 to 1
-    gauge  ///< a gauge grows linearly to `target` at time 1, loads are scaled by an unknown factor
+    time,  ///< displacements and loads are functions of time
+    gauge  ///< a gauge grows linearly to `target` at the end, loads are scaled by an unknown factor
   } kind = Kind::time;
   std::string gauge;
   double target = 0.0;  ///< [m]
 };
 
 struct Steps {
-  int count = 100;  ///< increments that cover time 0..1 when none is cut
+  double duration = 1.0;  ///< time at the end of the run [s]
+  int count = 100;        ///< increments that cover it when none is cut
   bool adaptive = true;
-  double min_fraction = 1e-3;     ///< smallest step, as a fraction of 1/count
-  double max_fraction = 1.0;      ///< largest step, as a fraction of 1/count
+  double min_fraction = 1e-3;     ///< smallest step, as a fraction of duration/count
+  double max_fraction = 1.0;      ///< largest step, as a fraction of duration/count
   double error_tolerance = 0.02;  ///< impl_ex: largest |damage used - damage| aimed at
   int easy_iterations = 5;        ///< implicit: grow the step after fewer iterations than this
 };
@@ -196,7 +198,7 @@ struct Case {
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
   double thickness = 1.0;           ///< of plane models [m]
-  Vec3 gravity = Vec3::Zero();                     ///< at time 1, linear in time [m/s2]
+  VectorFunction gravity;                          ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)
   std::vector<Material> materials;
   std::vector<Body> bodies;

@@ -43,7 +43,7 @@ Table<Case> model_table() {
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");
-  t.vector("gravity", &Case::gravity, Unit::acceleration, "at time 1, linear in time");
+  t.vector_function("gravity", &Case::gravity, Unit::acceleration, "a number is reached linearly at the end of the run");
   return t;
 }
 

@@ -71,9 +71,12 @@ Table<NodeBoundary> boundary_table() {
   Table<NodeBoundary> t(
       "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`.");
   t.table("where", &NodeBoundary::where, where_table()).required();
-  t.number("ux", component(0), Unit::length, {}, "displacement along x at time 1, linear in time; free without it");
-  t.number("uy", component(1), Unit::length, {}, "displacement along y at time 1, linear in time; free without it");
-  t.number("uz", component(2), Unit::length, {}, "displacement along z at time 1, linear in time; free without it");
+  t.function("ux", component(0), Unit::length, false,
+             "displacement along x; a number is reached linearly at the end of the run; free without it");
+  t.function("uy", component(1), Unit::length, false,
+             "displacement along y; a number is reached linearly at the end of the run; free without it");
+  t.function("uz", component(2), Unit::length, false,
+             "displacement along z; a number is reached linearly at the end of the run; free without it");
   t.only_in_space();
   t.check([](Scope& s, NodeBoundary&) {
     if (s.dimension() == 2) return s.at_least_one({"ux", "uy"});
@@ -96,7 +99,8 @@ Table<Pressure> pressure_table() {
       "the reference state.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
-  t.number("value", &Pressure::value, Unit::stress, {}, "at time 1, linear in time; positive pushes into the body")
+  t.function("value", &Pressure::value, Unit::stress, true,
+             "positive pushes into the body; a number is reached linearly at the end of the run")
       .required();
   return t;
 }

@@ -5,6 +5,23 @@
 #include "case/tables.hpp"
 
 namespace berm {
+namespace {
+
+/// Plain numbers of loads and motions are reached at the end of the run.
+void set_ends(Case& c) {
+  const double end = c.steps.duration;
+  const auto set = [end](VectorFunction& v) {
+    for (TimeFunction& f : v.component) f.set_end(end);
+  };
+  set(c.gravity);
+  for (Body& b : c.bodies) set(b.displacement);
+  for (NodeBoundary& b : c.boundaries)
+    for (auto& u : b.u)
+      if (u) u->set_end(end);
+  for (Pressure& p : c.pressures) p.value.set_end(end);
+}
+
+}  // namespace
 
 Case read_case(const std::string& path, const std::vector<std::string>& overrides) {
   Problems problems;
@@ -22,6 +39,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   case_table().read(scope, c);
   check_case(c, root, problems);
   problems.throw_if_any(path);
+  set_ends(c);
 
   c.resolved = "# The effective case: base merged, overrides applied, defaults written out.\n" + write_toml(root);
   c.warnings = problems.warnings();

@@ -28,7 +28,7 @@ Table<Nominal> nominal_table() {
 Table<Control> control_table() {
   using Kind = Control::Kind;
   const auto by_gauge = [](const Scope&, const Control& c) { return c.kind == Kind::gauge; };
-  Table<Control> t("What grows linearly in time from 0 to 1.");
+  Table<Control> t("What drives the run.");
   t.choice("kind", &Control::kind,
            std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
            "time: displacements and loads; gauge: the change of a gauge, while all pressures are scaled by an unknown "
@@ -36,7 +36,7 @@ Table<Control> control_table() {
   t.string("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
       .required()
       .only(by_gauge, "with kind = \"gauge\"");
-  t.number("target", &Control::target, Unit::length, {}, "change of the gauge at time 1")
+  t.number("target", &Control::target, Unit::length, {}, "change of the gauge at the end, reached linearly")
       .required()
       .only(by_gauge, "with kind = \"gauge\"");
   t.check([](Scope& s, Control& c) {
@@ -46,12 +46,15 @@ Table<Control> control_table() {
 }
 
 Table<Steps> steps_table() {
-  Table<Steps> t("How time 0 to 1 is cut into increments.");
+  Table<Steps> t("How the time of the run is cut into increments.");
+  t.number("duration", &Steps::duration, Unit::time, positive(),
+           "time at the end of the run; what `t` in expressions reaches");
   t.integer("count", &Steps::count, {1.0}, "increments when none is cut");
   t.boolean("adaptive", &Steps::adaptive, "steps shrink where they must and grow again where they can");
   t.number("min_fraction", &Steps::min_fraction, Unit::none, {0.0, 1.0, true, false},
-           "smallest step, as a fraction of 1/count");
-  t.number("max_fraction", &Steps::max_fraction, Unit::none, positive(), "largest step, as a fraction of 1/count");
+           "smallest step, as a fraction of duration/count");
+  t.number("max_fraction", &Steps::max_fraction, Unit::none, positive(),
+           "largest step, as a fraction of duration/count");
   t.number("error_tolerance", &Steps::error_tolerance, Unit::none, positive(),
            "impl_ex: largest difference aimed at between the damage used and the damage of the step");
   t.integer("easy_iterations", &Steps::easy_iterations, {1.0}, "implicit: steps grow after fewer iterations than this");

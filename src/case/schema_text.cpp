@@ -50,7 +50,7 @@ std::string unit_rows() {
   return out;
 }
 
-constexpr std::string_view introduction = R"(# Case file reference
+constexpr std::string_view introduction = R"md(# Case file reference
 
 Printed by `berm schema` from the table that parses case files.
 
@@ -63,9 +63,14 @@ space (`dimension = 3` in `[model]`); below they are `[x, y(, z)]`. In axisymmet
 
 Numbers are in SI units, **angles in degrees**. A string carries its unit: `"35.5 GPa"`, `"20 deg"`, `"5 mm"`.
 
+**Loads and motions** are functions of the time t, which runs from 0 to `duration` in `[steps]`. A number is reached linearly
+at the end. A string that is no number with a unit is an expression, in SI units: `"9.81*min(t/0.5, 1)"`, for pressures of the
+place too: `"9810*max(0, 5*t - y)"`. Operators: `+ - * / ^`, comparisons, `&& ||`, `a ? b : c`; functions: `sin cos tan asin acos
+atan sinh cosh tanh exp ln log10 sqrt abs sign rint min max sum avg`; constant: `pi`.
+
 | quantity | bare number | units in strings |
 |---|---|---|
-)";
+)md";
 
 }  // namespace
 

@@ -24,6 +24,15 @@ void wrong_type(const Scope& scope, const Node::Entry& entry, std::string_view w
                                                       entry.value.type_name()));
 }
 
+/// A number and at most the name of a unit: "9.81 m/s2". Everything else is an expression: "9.81*t", "2/t".
+bool looks_like_quantity(const std::string& text) {
+  char* rest = nullptr;
+  std::strtod(text.c_str(), &rest);
+  if (rest == text.c_str()) return false;
+  while (*rest == ' ') ++rest;
+  return *rest == '\0' || std::isalpha(static_cast<unsigned char>(*rest));
+}
+
 }  // namespace
 
 int Scope::dimension() const {
@@ -120,6 +129,37 @@ std::optional<double> read_number(const Scope& scope, const Node::Entry& entry, 
     return std::nullopt;
   }
   return number;
+}
+
+std::optional<TimeFunction> read_function(const Scope& scope, const Node::Entry& entry, Unit unit, bool of_place) {
+  const std::string* text = entry.value.string();
+  if (!text || looks_like_quantity(*text)) {
+    const auto number = read_number(scope, entry, unit, {});
+    return number ? std::optional(TimeFunction(*number)) : std::nullopt;
+  }
+  try {
+    const TimeFunction function(*text);
+    if (of_place || !function.depends_on_place()) return function;
+    scope.problems.error(entry.value.place, fmt::format("{}: \"{}\" may depend on the time t, not on x, y, z",
+                                                        an_entry(scope, entry.key), *text));
+    return std::nullopt;
+  } catch (const std::invalid_argument& error) {
+    scope.problems.error(entry.value.place, fmt::format("{}: {}", an_entry(scope, entry.key), error.what()));
+    return std::nullopt;
+  }
+}
+
+std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit) {
+  const Node::Array* items = read_directions(scope, entry, "numbers", "");
+  if (!items) return std::nullopt;
+  VectorFunction vector;
+  bool complete = true;
+  for (std::size_t i = 0; i < items->size(); ++i) {
+    const auto function = read_function(scope, item_entry(entry, i, (*items)[i]), unit, false);
+    complete = complete && function;
+    vector.component[i] = function.value_or(TimeFunction());
+  }
+  return complete ? std::optional(vector) : std::nullopt;
 }
 
 std::optional<int> read_integer(const Scope& scope, const Node::Entry& entry, const Range& range) {

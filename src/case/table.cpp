@@ -43,6 +43,17 @@ Node number_schema(Unit unit, const Range& range) {
   return either;
 }
 
+/// A number, a number with a unit, or an expression.
+Node function_schema(Unit unit, bool of_place) {
+  Node text = typed("string");
+  const char* variables = of_place ? "t, x, y and z" : "t";
+  text.set("description",
+           Node(fmt::format("number with a unit ({}), or an expression of {}", unit_list(unit), variables)));
+  Node either;
+  either.set("anyOf", Node(Node::Array{typed("number"), text}));
+  return either;
+}
+
 std::string bracketed(Unit unit) { return unit == Unit::none ? "" : fmt::format(" [{}]", file_unit(unit)); }
 
 KeyInfo make_info(const std::string& key, const std::string& type, Node json, const std::string& doc) {
@@ -91,6 +102,18 @@ KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const s
 
 KeyInfo vector_info(const std::string& key, Unit unit, const Range& range, const std::string& doc) {
   return array_info(key, "[x, y(, z)]", 3, unit, range, doc);
+}
+
+KeyInfo function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc) {
+  const std::string type = of_place ? "number or expression of t, x, y, z" : "number or expression of t";
+  return make_info(key, type + bracketed(unit), function_schema(unit, of_place), doc);
+}
+
+KeyInfo vector_function_info(const std::string& key, Unit unit, const std::string& doc) {
+  KeyInfo info = array_info(key, "[x, y(, z)]", 3, unit, {}, doc);
+  info.type = "[x, y(, z)], numbers or expressions of t" + bracketed(unit);
+  info.json.set("items", function_schema(unit, false));
+  return info;
 }
 
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc) {
@@ -170,6 +193,20 @@ std::optional<Node> vector_node(const Vec3& value, Unit unit, int dimension) {
 
 std::optional<Node> vector_node(const std::optional<Vec3>& value, Unit unit, int dimension) {
   return value ? vector_node(*value, unit, dimension) : std::nullopt;
+}
+
+std::optional<Node> function_node(const TimeFunction& value, Unit unit) {
+  return value.is_number() ? number_node(value.number(), unit) : Node(value.text());
+}
+
+std::optional<Node> function_node(const std::optional<TimeFunction>& value, Unit unit) {
+  return value ? function_node(*value, unit) : std::nullopt;
+}
+
+std::optional<Node> function_node(const VectorFunction& value, Unit unit, int dimension) {
+  Node::Array items;
+  for (int i = 0; i < dimension; ++i) items.push_back(*function_node(value.component[i], unit));
+  return Node(std::move(items));
 }
 
 std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid) {

@@ -52,6 +52,10 @@ constexpr std::array names = {
     Name{Unit::force, "N", 1.0},
     Name{Unit::force, "kN", 1e3},
     Name{Unit::force, "MN", 1e6},
+    Name{Unit::time, "s", 1.0},
+    Name{Unit::time, "ms", 1e-3},
+    Name{Unit::time, "min", 60.0},
+    Name{Unit::time, "h", 3600.0},
     Name{Unit::stress_per_length, "Pa/m", 1.0},
     Name{Unit::stress_per_length, "kPa/m", 1e3},
     Name{Unit::stress_per_length, "MPa/m", 1e6},
@@ -111,6 +115,8 @@ std::string_view unit_name(Unit unit) {
       return "force";
     case Unit::stress_per_length:
       return "stress per length";
+    case Unit::time:
+      return "time";
   }
   return "quantity";
 }

@@ -52,7 +52,7 @@ private:
 /// Where a run is.
 struct ProgressState {
   int step = 0;
-  double time = 0.0;  ///< 0 ... 1
+  double time = 0.0;  ///< share of the run that is done
   double load = 0.0;  ///< reaction [N]
   int newton_iterations = 0;
   double residual = 0.0;  ///< relative [-]

@@ -85,6 +85,13 @@ std::string summary_json(const Summary& s) {
   line("body_rings", object(listed(s.body_rings, ",\n", body_json)));
   const auto surface = [](const auto& body) { return fmt::format("    {}: {}", quoted(body.first), quoted(body.second)); };
   line("body_surfaces", object(listed(s.body_surfaces, ",\n", surface)));
+  const auto instant = [](const auto& m) {
+    return fmt::format("[{}, {}, {}, {}]", number(m[0]), number(m[1]), number(m[2]), number(m[3]));
+  };
+  const auto motion = [&](const auto& body) {
+    return fmt::format("    {}: [{}]", quoted(body.first), listed(body.second, ", ", instant));
+  };
+  line("rigid_motion", object(listed(s.rigid_motion, ",\n", motion)));
   const auto metric = [](const auto& m) { return fmt::format("    {}: {}", quoted(m.first), number(m.second)); };
   return out + "  \"metrics\": " + object(listed(s.metrics, ",\n", metric)) + "\n}\n";
 }

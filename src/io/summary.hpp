@@ -1,6 +1,7 @@
 #pragma once
 /// summary.json: what a run was and what came out of it (docs/output.md).
 
+#include <array>
 #include <map>
 #include <string>
 #include <utility>
@@ -29,6 +30,8 @@ struct Summary {
   std::map<std::string, std::vector<std::vector<Vec2>>>
       body_rings;  ///< in the plane: outer rings and holes by body, at the start [m]
   std::map<std::string, std::string> body_surfaces;     ///< in space: files of the surfaces by body, at the start
+  /// Of rigid bodies: time [s] and displacement [m] at every frame.
+  std::map<std::string, std::vector<std::array<double, 4>>> rigid_motion;
   std::vector<std::string> references;                  ///< reference curves for the report, absolute paths
   std::vector<std::pair<std::string, double>> metrics;  ///< "peak_load [N]" and so on; NaN: not defined
 };

@@ -49,19 +49,34 @@ int QuasiStaticStep::n_mine() const {
 
 void QuasiStaticStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
-  BoundaryConditions& bc = *world_.boundary;
   settings_.integration = integration;
   const bool symmetric = gauge_ < 0 && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
     if (!world_.step_begun) world_.begin_step();
-    pressure_.assign(d.n_nodes(), Vec3::Zero());
-    bc.add_pressure(pressure_);
-    d.halo.add_to_owners(pressure_.data()->data(), 3);
+    if (gauge_ >= 0) pressure_ = pressure_at(world_.spec.steps.duration);
     prepared_ = true;
   }
   if (connectivity_ != d.connectivity) last_dt_ = 0.0;
   lay_out(symmetric);
+}
+
+/// Complete at owned nodes.
+NodalVector QuasiStaticStep::pressure_at(double time) const {
+  const Discretisation& d = *world_.discretisation;
+  NodalVector f(d.n_nodes(), Vec3::Zero());
+  world_.boundary->add_pressure(time, f);
+  d.halo.add_to_owners(f.data()->data(), 3);
+  return f;
+}
+
+NodalVector QuasiStaticStep::weight_at(double time) const {
+  const Discretisation& d = *world_.discretisation;
+  NodalVector f(d.n_nodes(), Vec3::Zero());
+  if (world_.spec.gravity.is_zero()) return f;
+  d.add_body_force(world_.spec.gravity.at(time), f);
+  d.halo.add_to_owners(f.data()->data(), 3);
+  return f;
 }
 
 /// The matrix for the present connectivity, gauge and symmetry.
@@ -106,7 +121,8 @@ void QuasiStaticStep::scatter(const std::vector<double>& x) {
   for (int k = 0; k < dimension_ * d.halo.n_owned; ++k)
     du_[k / dimension_][k % dimension_] = fixed[k] ? prescribed_[k] : x[k];
   d.halo.copy_to_ghosts(du_.data()->data(), 3);
-  load_factor_ = gauge_ >= 0 ? world_.comm.broadcast(owns_border() ? x.back() : 0.0, world_.comm.size() - 1) : t1_;
+  load_factor_ = gauge_ >= 0 ? world_.comm.broadcast(owns_border() ? x.back() : 0.0, world_.comm.size() - 1)
+                             : t1_ / world_.spec.steps.duration;
 }
 
 double QuasiStaticStep::gauge_value() const {
@@ -115,8 +131,8 @@ double QuasiStaticStep::gauge_value() const {
   return world_.boundary->gauges()[gauge_].elongation() + world_.comm.sum(value);
 }
 
-/// force_ = internal + stabilisation + contact and pins - load factor * pressure - weight, complete at owned nodes.
-/// [formulation (1), (14)]
+/// force_ = internal + stabilisation + contact and pins - pressure (gauge: times load factor) - weight, complete at
+/// owned nodes. [formulation (1), (14)]
 void QuasiStaticStep::sum_forces() {
   const Stopwatch watch(times_.assembly);
   const Discretisation& d = *world_.discretisation;
@@ -124,12 +140,9 @@ void QuasiStaticStep::sum_forces() {
   d.add_internal_force(force_);
   d.halo.add_to_owners(force_.data()->data(), 3);
   const double scale = norm(force_);
-  external_.assign(d.n_nodes(), Vec3::Zero());
-  if (!world_.spec.gravity.isZero()) {
-    d.add_body_force(world_.spec.gravity * t1_, external_);
-    d.halo.add_to_owners(external_.data()->data(), 3);
-  }
-  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += load_factor_ * pressure_[i];
+  external_ = weight_;
+  const double factor = gauge_ >= 0 ? load_factor_ : 1.0;
+  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += factor * pressure_[i];
   force_scale_ = std::max(scale, norm(external_));
   NodalVector resisting(d.n_nodes(), Vec3::Zero());
   d.add_stabilisation(du_, resisting, nullptr);
@@ -156,7 +169,8 @@ bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>
   for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
     if (!fixed[k]) r[k] = force_[k / dimension_][k % dimension_];
   if (gauge_ >= 0) {
-    const double value = gauge_scale_ * (gauge_value() - world_.spec.control.target * t1_);
+    const double value =
+        gauge_scale_ * (gauge_value() - world_.spec.control.target * (t1_ / world_.spec.steps.duration));
     if (owns_border()) r.back() = value;
   }
   cached_x_ = x;
@@ -229,6 +243,8 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   t0_ = world_.time;
   t1_ = world_.time + dt;
   settings_.dt = dt;
+  if (gauge_ < 0) pressure_ = pressure_at(t1_);
+  weight_ = weight_at(t1_);
   prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);
   du_.assign(world_.discretisation->n_nodes(), Vec3::Zero());
   cached_r_.clear();
@@ -286,32 +302,34 @@ void QuasiStaticStep::accept() {
   Discretisation& d = *world_.discretisation;
   BoundaryConditions& bc = *world_.boundary;
   const Case& c = world_.spec;
-  const double dt = t1_ - t0_;
   double work = 0.0;
   const Reactions now = bc.reactions(du_, t0_, t1_, force_);
   const Reactions& before = balance_.reactions;
   for (std::size_t b = 0; b < c.bodies.size(); ++b)
-    if (c.bodies[b].rigid) work += 0.5 * (now.rigid[b] + before.rigid[b]).dot(c.bodies[b].displacement) * dt;
+    if (c.bodies[b].rigid)
+      work += 0.5 *
+              (now.rigid[b] + before.rigid[b]).dot(c.bodies[b].displacement.at(t1_) - c.bodies[b].displacement.at(t0_));
   for (std::size_t b = 0; b < c.boundaries.size(); ++b)
     for (int i = 0; i < dimension_; ++i)
-      work += 0.5 * (now.boundary[b] + before.boundary[b])[i] * c.boundaries[b].u[i].value_or(0.0) * dt;
+      if (const auto& u = c.boundaries[b].u[i])
+        work += 0.5 * (now.boundary[b] + before.boundary[b])[i] * (u->at(t1_) - u->at(t0_));
   balance_.reactions = now;
-  work += 0.5 * (load_factor_ + world_.load_factor) * dot(pressure_, du_);
-  for (std::size_t k = 0; k < c.pressures.size(); ++k)
-    balance_.pressure_force[k] = load_factor_ * bc.pressure_force(static_cast<int>(k));
-  if (!c.gravity.isZero()) {
-    NodalVector weight(d.n_nodes(), Vec3::Zero());
-    d.add_body_force(c.gravity * (0.5 * (t0_ + t1_)), weight);
-    d.halo.add_to_owners(weight.data()->data(), 3);
-    work += dot(weight, du_);
+  if (gauge_ >= 0) {
+    work += 0.5 * (load_factor_ + world_.load_factor) * dot(pressure_, du_);
+    balance_.pressure_force = bc.pressure_forces(c.steps.duration);
+    for (Vec3& force : balance_.pressure_force) force *= load_factor_;
+  } else {
+    work += 0.5 * (dot(pressure_at(t0_), du_) + dot(pressure_, du_));
+    balance_.pressure_force = bc.pressure_forces(t1_);
   }
+  if (!c.gravity.is_zero()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
 
   bc.commit(du_, t0_, t1_);
   d.commit(du_, bc.anchors());
   bc.share_gauges();
   last_du_ = du_;
-  last_dt_ = dt;
+  last_dt_ = t1_ - t0_;
   world_.time = t1_;
   world_.load_factor = load_factor_;
   prepared_ = world_.step_begun = false;

@@ -51,6 +51,8 @@ private:
   void prepare(Integration integration);
   void lay_out(bool symmetric);
   bool residual(const std::vector<double>& x, std::vector<double>& r);
+  NodalVector pressure_at(double time) const;
+  NodalVector weight_at(double time) const;
   void sum_forces();
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
@@ -78,7 +80,7 @@ private:
   double t0_ = 0.0, t1_ = 0.0, load_factor_ = 0.0;
   double force_scale_ = 0.0;
   long n_unknowns_ = 0;
-  NodalVector du_, last_du_, force_, external_, pressure_, functional_;
+  NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;

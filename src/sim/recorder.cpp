@@ -32,7 +32,12 @@ unsigned char vtk_type(CellKind kind) {
   return types[static_cast<int>(kind)];
 }
 
-Vec3 motion_of(const NodeBoundary& b) { return {b.u[0].value_or(0.0), b.u[1].value_or(0.0), b.u[2].value_or(0.0)}; }
+Vec3 motion_of(const NodeBoundary& b, double time) {
+  Vec3 u = Vec3::Zero();
+  for (int i = 0; i < 3; ++i)
+    if (b.u[i]) u[i] = b.u[i]->at(time);
+  return u;
+}
 
 /// Positions in the standard columns of the history (io/history.cpp).
 constexpr int displacement_column = 2, load_column = 3;
@@ -130,9 +135,9 @@ double Recorder::nominal_displacement() const {
   const Case& c = world_.spec;
   const Nominal& n = c.output.nominal;
   if (const int b = index_of(c.bodies, n.displacement); b >= 0)
-    return c.bodies[b].displacement.dot(n.direction) * world_.time;
+    return c.bodies[b].displacement.at(world_.time).dot(n.direction);
   if (const int b = index_of(c.boundaries, n.displacement); b >= 0)
-    return motion_of(c.boundaries[b]).dot(n.direction) * world_.time;
+    return motion_of(c.boundaries[b], world_.time).dot(n.direction);
   if (const int g = index_of(world_.boundary->gauges(), n.displacement); g >= 0)
     return world_.boundary->gauges()[g].elongation();
   return 0.0;
@@ -278,7 +283,8 @@ void Recorder::record(const StepResult& result, Integration integration) {
   if (noise_.empty() || std::abs(row_load_) > growth * noise_.back().first)
     noise_.emplace_back(std::abs(row_load_), stress_noise());
   const Output& o = world_.spec.output;
-  const bool due = o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12;
+  const bool due =
+      o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12 * world_.spec.steps.duration;
   follow_peak();
   if (!due) return;
   if (!peak_ || peak_->time != world_.time) return write_frame(take_frame());
@@ -333,8 +339,8 @@ void Recorder::write_frame(const Frame& frame) {
   ++frame_;
   if (frame.time < world_.time) return;
   last_frame_step_ = steps_;
-  const double spacing = 1.0 / std::max(1, world_.spec.output.frames);
-  while (next_frame_ <= world_.time + 1e-12) next_frame_ += spacing;
+  const double end = world_.spec.steps.duration, spacing = end / std::max(1, world_.spec.output.frames);
+  while (next_frame_ <= world_.time + 1e-12 * end) next_frame_ += spacing;
 }
 
 VtuData Recorder::points_data() const {
@@ -494,6 +500,12 @@ void Recorder::finish(const std::string& status, const std::string& reason, doub
   s.processes = world_.comm.size();
   s.references = world_.spec.output.references;
   s.metrics = metrics();
+  for (const Body& b : world_.spec.bodies)
+    if (b.rigid)
+      for (const auto& [time, file] : points_pvd_.entries()) {
+        const Vec3 u = b.displacement.at(time);
+        s.rigid_motion[b.name].push_back({time, u.x(), u.y(), u.z()});
+      }
   world_.comm.agree([&] {
     if (!world_.comm.is_root()) return;
     write_surfaces(s);

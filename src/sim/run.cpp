@@ -59,7 +59,8 @@ public:
       return;
     }
     load_checkpoint(options.restart, *world_, step_, recorder_, control_);
-    log_.info(fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
+    log_.info(
+        fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
   }
 
   void go() {
@@ -148,8 +149,8 @@ private:
       else
         control_.after_impl_ex(result.extrapolation_error);
       if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
-      progress_.update({recorder_.steps(), world_->time, recorder_.load(), result.iterations, result.residual,
-                        world_->n_points()});
+      progress_.update({recorder_.steps(), world_->time / world_->spec.steps.duration, recorder_.load(),
+                        result.iterations, result.residual, world_->n_points()});
       return;
     }
   }
@@ -249,7 +250,8 @@ void run_case(Case spec, const RunOptions& options) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error)
-      throw InputError(fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
+      throw InputError(
+          fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
     if (options.restart.empty()) remove_old_results(options.folder);
   });
   Run run(std::move(spec), options, comm);

@@ -11,19 +11,19 @@ class StepControl {
 public:
   explicit StepControl(const Steps& s)
       : steps_(s),
-        nominal_(1.0 / s.count),
+        nominal_(s.duration / s.count),
         dt_(nominal_),
         min_(nominal_ * (s.adaptive ? s.min_fraction : 1.0)),
         max_(nominal_ * (s.adaptive ? s.max_fraction : 1.0)) {
     dt_ = std::clamp(dt_, min_, max_);
   }
 
-  /// The next step from `time`; the last one ends exactly at 1, and none is left shorter than half a step.
+  /// The next step from `time`; the last one ends exactly at the end, and none is left shorter than half a step.
   double next(double time) const {
-    const double left = 1.0 - time;
+    const double left = steps_.duration - time;
     return left < 1.5 * dt_ ? (left > dt_ * (1.0 + 1e-9) ? 0.5 * left : left) : dt_;
   }
-  bool finished(double time) const { return time >= 1.0 - 1e-12; }
+  bool finished(double time) const { return time >= steps_.duration * (1.0 - 1e-12); }
   bool can_cut() const { return dt_ > min_ * (1.0 + 1e-9); }
 
   double size() const { return dt_; }

@@ -25,8 +25,8 @@ struct World {
   std::vector<std::string> warnings;
 
   // the state at t_n besides what the points carry
-  double time = 0.0;           ///< 0 ... 1
-  double load_factor = 0.0;    ///< of the pressures
+  double time = 0.0;           ///< [s]
+  double load_factor = 0.0;    ///< gauge: of the pressures; else the share of the time that has passed
   double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
 
   bool step_begun = false;     ///< begin_step has been called for the state at t_n

@@ -343,10 +343,9 @@ def write_cylinder(
     rows = zip(range(steps + 1), time, push, stress * np.pi * RADIUS**2, stress, push / LENGTH, time)
     with open(os.path.join(folder, "history.csv"), "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([COLUMNS[:7], *rows])
-    with open(os.path.join(folder, "case.toml"), "w", encoding="utf-8") as file:
-        motion = turned(np.array([[0.0, 0.0, -PUSH]]), axis)[0].tolist()
-        file.write(f"[body.platen]\nrigid = true\ndisplacement = {motion}\n[body.specimen]\nrigid = false\n")
+    motion = turned(np.array([[0.0, 0.0, -PUSH]]), axis)[0].tolist()
     summary = {
+        "rigid_motion": {"platen": [[0.0, 0.0, 0.0, 0.0], [1.0, *motion]]},
         "title": "Cylinder in compression",
         "method": method,
         "status": "done",

@@ -223,14 +223,13 @@ class Maps(unittest.TestCase):
             with open(file_name, encoding="utf-8") as file:
                 summary = json.load(file)
             summary["body_rings"]["platen"] = [[[-0.1, 0.3], [0.1, 0.3], [0.1, 0.4], [-0.1, 0.4]]]
+            summary["rigid_motion"] = {"platen": [[0.0, 0.0, 0.0, 0.0], [2.0, 0.0, -0.02, 0.0]]}
             with open(file_name, "w", encoding="utf-8") as file:
                 json.dump(summary, file)
-            with open(os.path.join(path, "case.toml"), "w", encoding="utf-8") as file:
-                file.write("[body.platen]\nrigid = true\ndisplacement = [0.0, -0.01]\n[body.specimen]\nrigid = false\n")
             run = Run(path)
             scene = make_scenes([run], ["mpm"], [-1], 2.0)[0]
         self.assertEqual(list(scene.outlines), [0])
-        factor = run.history["load_factor"][-1]
+        factor = run.frames[-1][0]
         self.assertGreater(factor, 0.0)
         self.assertAlmostEqual(scene.rigid[0][0][0, 1], 0.3 - 2.0 * 0.01 * factor)
         figure = map_figure([scene], MAPS[0], "last frame", ["note"])

@@ -106,7 +106,7 @@ class Sections(unittest.TestCase):
         self.assertTrue(column[(z > 0.001) & (z < 0.049)].all())
         self.assertTrue(column[(z > 0.072) & (z < 0.118)].all())
 
-    def test_rigid_body_moves_by_the_case(self):
+    def test_rigid_body_is_drawn_where_it_is(self):
         section = make_sections(make_bodies(self.runs[:1], ["mpm"], [3], 10.0), 0, 1, 2)[0]
         heights = section.rigid[0][0][:, 1]
         self.assertAlmostEqual(heights.min(), synthetic.LENGTH - 10.0 * synthetic.PUSH)

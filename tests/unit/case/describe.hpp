@@ -12,6 +12,12 @@ inline std::string describe(const Vec2& v) { return fmt::format("({}, {})", v.x(
 inline std::string describe(const Vec3& v) { return fmt::format("({}, {}, {})", v.x(), v.y(), v.z()); }
 inline std::string describe(double x) { return fmt::format("{}", x); }
 inline std::string describe(const std::string& text) { return text; }
+inline std::string describe(const TimeFunction& f) {
+  return f.is_number() ? fmt::format("{}", f.number()) : f.text();
+}
+inline std::string describe(const VectorFunction& v) {
+  return fmt::format("({}, {}, {})", describe(v.component[0]), describe(v.component[1]), describe(v.component[2]));
+}
 template <class T>
 std::string describe(const std::optional<T>& value) {
   return value ? describe(*value) : "-";
@@ -115,7 +121,7 @@ inline std::string describe(const Case& c) {
   for (const auto& p : c.pins)
     text += fmt::format("pin {} {} {} {}\n", p.name, p.body, describe(p.at), fmt::join(p.fixed, " "));
   for (const auto& p : c.pressures)
-    text += fmt::format("pressure {} {} {} {}\n", p.name, p.body, describe(p.where), p.value);
+    text += fmt::format("pressure {} {} {} {}\n", p.name, p.body, describe(p.where), describe(p.value));
   for (const auto& k : c.contacts)
     text += fmt::format("contact {} {} {} {} {}\n", k.name, k.body, k.rigid, int(k.kind), k.stiffness);
   for (const auto& g : c.output.gauges)

@@ -167,6 +167,22 @@ TEST_F(DimensionErrors, everyEntryOfAVectorIsChecked) {
             "case.toml:7:18: \"cells[2]\" in [grid] must be 1 <= value <= 100000, is 0");
 }
 
+TEST_F(CaseErrors, expressionsOfLoadsAndMotions) {
+  const auto gravity = [&](const std::string& value) {
+    return errors(with(small_case, "[0.0, -9.81]", "[0.0, \"" + value + "\"]"));
+  };
+  EXPECT_EQ(gravity("-9.81*min(t/0.5, 1)"), "");
+  EXPECT_EQ(gravity("-9.81 m/s2"), "");
+  EXPECT_EQ(gravity("-9.81*"),
+            "case.toml:2:17: \"gravity[1]\" in [model]: \"-9.81*\": Unexpected end of expression at "
+            "position 6");
+  EXPECT_EQ(gravity("-9.81*time"),
+            "case.toml:2:17: \"gravity[1]\" in [model]: \"-9.81*time\": Unexpected token "
+            "\"time\" found at position 6.");
+  EXPECT_EQ(gravity("-9.81*y"),
+            "case.toml:2:17: \"gravity[1]\" in [model]: \"-9.81*y\" may depend on the time t, not on x, y, z");
+}
+
 TEST_F(DimensionErrors, planeThingsInSpace) {
   EXPECT_EQ(errors(with(small_solid_case, "dimension = 3", "dimension = 3\nplane = \"strain\"\nthickness = 2")),
             "case.toml:3:9: \"plane\" in [model] is only allowed in the plane ([model] dimension = 2)\n"

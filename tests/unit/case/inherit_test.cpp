@@ -32,7 +32,7 @@ TEST_F(Inherit, removeDropsTablesAndKeysOfTheBase) {
       "base = \"base.toml\"\nremove = [\"boundary.base\", \"model\", \"body.block.shape\"]\n"
       "[body.block]\nshape.disc = { centre = [0.5, 0.5], radius = 0.4 }\n");
   EXPECT_TRUE(c.boundaries.empty());
-  EXPECT_EQ(c.gravity, Vec3(0.0, 0.0, 0.0));
+  EXPECT_EQ(c.gravity.at(1.0), Vec3(0.0, 0.0, 0.0));
   EXPECT_TRUE(std::holds_alternative<Disc>(std::get<PlaneShape>(*c.bodies[0].shape).form));
   EXPECT_EQ(c.resolved.find("remove"), std::string::npos);
 }

@@ -1,0 +1,62 @@
+#include "base/time_function.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "base/error.hpp"
+
+namespace berm {
+
+struct TimeFunction::Expression {
+  std::string text;
+  bool depends_on_place = false;
+  // muParser reads its variables through pointers.
+  mutable double t = 0.0;
+  mutable Vec3 x = Vec3::Zero();
+  mu::Parser parser;
+};
+
+TimeFunction::TimeFunction(const std::string& text) {
+  const auto expression = std::make_shared<Expression>();
+  expression->text = text;
+  mu::Parser& parser = expression->parser;
+  try {
+    parser.DefineVar("t", &expression->t);
+    parser.DefineVar("x", &expression->x[0]);
+    parser.DefineVar("y", &expression->x[1]);
+    parser.DefineVar("z", &expression->x[2]);
+    parser.DefineConst("pi", std::acos(-1.0));
+    parser.SetExpr(text);
+    for (const auto& used : parser.GetUsedVar()) expression->depends_on_place |= used.first != "t";
+    parser.Eval();
+  } catch (const mu::Parser::exception_type& error) {
+    throw std::invalid_argument(fmt::format("\"{}\": {}", text, error.GetMsg()));
+  }
+  if (parser.GetNumResults() != 1)
+    throw std::invalid_argument(
+        fmt::format("\"{}\" has more than one value (decimal comma instead of a point?)", text));
+  expression_ = expression;
+}
+
+double TimeFunction::at(double t, const Vec3& x) const {
+  if (!expression_) return value_ * (t / end_);
+  expression_->t = t;
+  expression_->x = x;
+  const double value = expression_->parser.Eval();
+  if (!std::isfinite(value))
+    throw RunError(fmt::format("\"{}\" is {} at t = {:.6g} s, ({:.6g}, {:.6g}, {:.6g})", expression_->text, value, t,
+                               x.x(), x.y(), x.z()));
+  return value;
+}
+
+bool TimeFunction::depends_on_place() const { return expression_ && expression_->depends_on_place; }
+
+const std::string& TimeFunction::text() const {
+  static const std::string none;
+  return expression_ ? expression_->text : none;
+}
+
+}  // namespace berm
