@@ -175,7 +175,7 @@ TEST_F(CaseErrors, expressionsOfLoadsAndMotions) {
   EXPECT_EQ(gravity("-9.81 m/s2"), "");
   EXPECT_EQ(gravity("-9.81*"),
             "case.toml:2:17: \"gravity[1]\" in [model]: \"-9.81*\": Unexpected end of expression at "
-            "position 6");
+            "position 7");
   EXPECT_EQ(gravity("-9.81*time"),
             "case.toml:2:17: \"gravity[1]\" in [model]: \"-9.81*time\": Unexpected token "
             "\"time\" found at position 6.");

@@ -27,6 +27,7 @@ TEST_F(SummaryFile, HoldsEverything) {
   s.body_rings["disc"] = {{Vec2(0, 0), Vec2(1, 0), Vec2(0.5, 2)}, {Vec2(0.25, 0.25)}};
   s.body_rings["top"] = {};
   s.body_surfaces = {{"ball", "surfaces/ball.vtu"}, {"a \"quoted\" one", "b.vtu"}};
+  s.rigid_motion = {{"top", {{0.0, 0.0, 0.0, 0.0}, {0.5, 0.0, -0.25, 0.0}}}};
   s.metrics = {{"peak_load [N]", 2.5e6}, {"stress_noise [-]", std::numeric_limits<double>::quiet_NaN()}};
   write_summary(path("summary.json"), s);
   EXPECT_EQ(content(path("summary.json")), R"({
@@ -54,6 +55,9 @@ TEST_F(SummaryFile, HoldsEverything) {
     "a \"quoted\" one": "b.vtu",
     "ball": "surfaces/ball.vtu"
   },
+  "rigid_motion": {
+    "top": [[0, 0, 0, 0], [0.5, 0, -0.25, 0]]
+  },
   "metrics": {
     "peak_load [N]": 2500000,
     "stress_noise [-]": null
@@ -64,7 +68,7 @@ TEST_F(SummaryFile, HoldsEverything) {
 
 TEST_F(SummaryFile, EmptyIsValidJson) {
   const std::string json = summary_json(Summary{});
-  EXPECT_NE(json.find("\"body_rings\": {},\n  \"body_surfaces\": {},\n  \"metrics\": {}\n}"), std::string::npos);
+  EXPECT_NE(json.find("\"body_rings\": {},\n  \"body_surfaces\": {},\n  \"rigid_motion\": {},\n  \"metrics\": {}\n}"), std::string::npos);
   EXPECT_NE(json.find("\"dimension\": 2,\n  \"axisymmetric\": false,\n  \"processes\": 1,\n"), std::string::npos);
 }
 
