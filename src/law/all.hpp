@@ -8,12 +8,14 @@
 #include "law/lemaitre.hpp"
 #include "law/linear_elastic.hpp"
 #include "law/mazars.hpp"
+#include "law/mohr_coulomb.hpp"
 #include "law/rankine.hpp"
 #include "law/simo_ju.hpp"
 
 namespace berm {
 
-using AnyLaw = std::variant<LinearElastic, SimoJu, Rankine, Mazars, MazarsClassic, LemaitreStrain, LemaitreEnergy>;
+using AnyLaw =
+    std::variant<LinearElastic, SimoJu, Rankine, Mazars, MazarsClassic, LemaitreStrain, LemaitreEnergy, MohrCoulomb>;
 
 /// Calls f with a default-constructed law of each type, in the order of the list.
 template <class F>
