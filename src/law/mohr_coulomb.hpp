@@ -12,10 +12,12 @@
 namespace berm {
 
 struct MohrCoulomb : YieldingElastic {
+  static constexpr double no_cut_off = 1e30;  ///< a number that case files and schemas can hold
+
   double cohesion = 0.0;                   ///< [Pa]
   double friction_angle = 0.0;             ///< [rad]
   double dilatancy_angle = 0.0;            ///< [rad]
-  double tensile_strength = 1e30;          ///< cut-off; larger than c cot(phi): none [Pa]
+  double tensile_strength = no_cut_off;    ///< cut-off; larger than c cot(phi): none [Pa]
   double residual_cohesion = -1.0;         ///< negative: as at the start [Pa]
   double residual_friction_angle = -1.0;   ///< negative: as at the start [rad]
   double residual_dilatancy_angle = -1.0;  ///< negative: as at the start [rad]
@@ -41,7 +43,7 @@ struct MohrCoulomb : YieldingElastic {
     p.push_back({"cohesion", &L::cohesion, Unit::stress, non_negative(), {}, "cohesion"});
     p.push_back({"friction_angle", &L::friction_angle, Unit::angle, angle, {}, "angle of internal friction; 0: Tresca"});
     p.push_back({"dilatancy_angle", &L::dilatancy_angle, Unit::angle, angle, 0.0, "at most the friction angle"});
-    p.push_back({"tensile_strength", &L::tensile_strength, Unit::stress, non_negative(), 1e30,
+    p.push_back({"tensile_strength", &L::tensile_strength, Unit::stress, non_negative(), no_cut_off,
                  "tension cut-off; without it (or larger than that): cohesion / tan(friction_angle)"});
     p.push_back({"residual_cohesion", &L::residual_cohesion, Unit::stress, any, none,
                  "cohesion from `softening_end` on; negative: unchanged"});
@@ -112,7 +114,9 @@ struct MohrCoulomb : YieldingElastic {
 
   using Planes = std::array<YieldPlane, n_planes>;
 
-  bool cut_off(const Strength& y) const { return tensile_strength * std::sin(y.phi) < y.c * std::cos(y.phi); }
+  bool cut_off(const Strength& y) const {
+    return tensile_strength < no_cut_off && tensile_strength * std::sin(y.phi) < y.c * std::cos(y.phi);
+  }
 
   /// Eqs. (20) and (21).
   Planes planes(const Strength& y) const {
