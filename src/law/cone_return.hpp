@@ -1,6 +1,6 @@
 #pragma once
-/// Return to a circular cone or cylinder in stress space with linear hardening, in closed form: Drucker-Prager, von Mises.
-/// docs/theory/plasticity.md, section "Cones".
+/// Return to a circular cone or cylinder in stress space with linear hardening, in closed form: Drucker-Prager, von
+/// Mises. docs/theory/plasticity.md, section "Cones".
 
 #include "law/invariants.hpp"
 
@@ -71,13 +71,14 @@ inline ConeReturn return_to_cone(const Cone& y, const Lame& c, const StrainInvar
   r.kappa = kappa;
   const double side = std::sqrt(3.0) * c.mu * e.shear, p = c.bulk() * e.volume;
   const double excess = side + y.friction * p - (y.strength + y.hardening * kappa);
-  const double rounding = 2e-14 * (side + std::abs(p));
+  const double rounding = 2e-14 * ((3.0 * c.mu + 3.0 * c.bulk()) * e.shear + std::abs(p));
   r.plastic = excess > rounding;
   if (r.plastic && !return_to_side(y, c, e, excess, r)) return_to_apex(y, c, e, r);
   return r;
 }
 
-/// Share of the elastic stiffness in the tangent of a point at the apex, where the true one is zero; see mohr_coulomb.hpp.
+/// Share of the elastic stiffness in the tangent of a point at the apex, where the true one is zero; see
+/// mohr_coulomb.hpp.
 constexpr double cone_residual_stiffness = 1e-5;
 
 /// Law::update of a law with such a surface and linear elasticity. State: elastic strain, accumulated plastic strain.

@@ -28,7 +28,11 @@ struct DruckerPrager : YieldingElastic {
     const Range angle{0.0, 0.5 * std::numbers::pi, false, true};
     auto p = elastic_parameters<L>();
     p.push_back({"cohesion", &L::cohesion, Unit::stress, non_negative(), {}, "cohesion"});
-    p.push_back({"friction_angle", &L::friction_angle, Unit::angle, angle, {},
+    p.push_back({"friction_angle",
+                 &L::friction_angle,
+                 Unit::angle,
+                 angle,
+                 {},
                  "angle of internal friction in plane strain; 0: von Mises"});
     p.push_back({"dilatancy_angle", &L::dilatancy_angle, Unit::angle, angle, 0.0, "at most the friction angle"});
     p.push_back({"hardening_modulus", &L::hardening_modulus, Unit::stress, non_negative(), 0.0,

@@ -26,7 +26,8 @@ struct MohrCoulomb : YieldingElastic {
 
   static constexpr std::string_view name = "mohr_coulomb";
   static constexpr std::string_view doc =
-      "Mohr-Coulomb plasticity of soil and rock, return in principal axes with all edges and the apex (Clausen, Damkilde "
+      "Mohr-Coulomb plasticity of soil and rock, return in principal axes with all edges and the apex (Clausen, "
+      "Damkilde "
       "and Andersen 2006), non-associated, Rankine tension cut-off, linear softening; friction angle 0: Tresca.";
   static constexpr int n_state = 7;
   static constexpr int elastic_strain = 0;
@@ -41,7 +42,8 @@ struct MohrCoulomb : YieldingElastic {
     const Range angle{0.0, right, false, true}, any_angle{-degree, right, false, true}, any{-1.0, infinity};
     auto p = elastic_parameters<L>();
     p.push_back({"cohesion", &L::cohesion, Unit::stress, non_negative(), {}, "cohesion"});
-    p.push_back({"friction_angle", &L::friction_angle, Unit::angle, angle, {}, "angle of internal friction; 0: Tresca"});
+    p.push_back(
+        {"friction_angle", &L::friction_angle, Unit::angle, angle, {}, "angle of internal friction; 0: Tresca"});
     p.push_back({"dilatancy_angle", &L::dilatancy_angle, Unit::angle, angle, 0.0, "at most the friction angle"});
     p.push_back({"tensile_strength", &L::tensile_strength, Unit::stress, non_negative(), no_cut_off,
                  "tension cut-off; without it (or larger than that): cohesion / tan(friction_angle)"});
@@ -86,8 +88,8 @@ struct MohrCoulomb : YieldingElastic {
     const auto change = [](double from, double to) { return to >= 0.0 ? to - from : 0.0; };
     const double dc = change(cohesion, residual_cohesion), dphi = change(friction_angle, residual_friction_angle),
                  dpsi = change(dilatancy_angle, residual_dilatancy_angle);
-    return {cohesion + t * dc, friction_angle + t * dphi, dilatancy_angle + t * dpsi,
-            t_rate * dc,       t_rate * dphi,             t_rate * dpsi};
+    return {cohesion + t * dc, friction_angle + t * dphi, dilatancy_angle + t * dpsi, t_rate * dc, t_rate * dphi,
+            t_rate * dpsi};
   }
 
   /// Planes that sorted principal stresses can touch.

@@ -14,7 +14,8 @@ struct Newtonian {
 
   static constexpr std::string_view name = "newtonian";
   static constexpr std::string_view doc =
-      "Weakly compressible Newtonian fluid: pressure from the change of volume, shear stress from the rate of strain in "
+      "Weakly compressible Newtonian fluid: pressure from the change of volume, shear stress from the rate of strain "
+      "in "
       "the step; also carries tension (no cavitation).";
   static constexpr int n_state = 6;
   static constexpr int elastic_strain = 0;

@@ -3,6 +3,8 @@
 /// docs/theory/plasticity.md, section "Polyhedral surfaces".
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "base/tensor.hpp"
@@ -27,10 +29,10 @@ struct ActiveSet {
 
 struct PolyhedralReturn {
   Vec3 stress = Vec3::Zero();
-  Mat3 by_strain = Mat3::Zero();        ///< d stress / d trial strain at constant hardening variable [Pa]
-  Vec3 by_hardening = Vec3::Zero();     ///< d stress / d hardening variable at constant trial strain [Pa]
+  Mat3 by_strain = Mat3::Zero();     ///< d stress / d trial strain at constant hardening variable [Pa]
+  Vec3 by_hardening = Vec3::Zero();  ///< d stress / d hardening variable at constant trial strain [Pa]
   double violation = std::numeric_limits<double>::infinity();  ///< largest excess or negative multiplier [Pa]
-  bool vertex = false;                  ///< no stress can change at constant hardening variable
+  bool vertex = false;                                         ///< no stress can change at constant hardening variable
 };
 
 /// The stress on all planes of the set, eqs. (22)-(25). c: elastic stiffness in principal values.

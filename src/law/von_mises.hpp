@@ -13,7 +13,8 @@ struct VonMises : YieldingElastic {
 
   static constexpr std::string_view name = "von_mises";
   static constexpr std::string_view doc =
-      "Von Mises plasticity with linear isotropic hardening, radial return (Simo and Hughes 1998): metals, soil without "
+      "Von Mises plasticity with linear isotropic hardening, radial return (Simo and Hughes 1998): metals, soil "
+      "without "
       "drainage.";
   static constexpr int n_state = 7;
   static constexpr int elastic_strain = 0;

@@ -26,8 +26,8 @@ Point<L> confined_point(const L& law, double pressure) {
   return point;
 }
 
-/// Axial strain `xx` with the stresses yy and zz held at -pressure (triaxial), or only yy (plane strain): Newton's method
-/// for the lateral strain. Returns the strain.
+/// Axial strain `xx` with the stresses yy and zz held at -pressure (triaxial), or only yy (plane strain): Newton's
+/// method for the lateral strain. Returns the strain.
 template <class L>
 Voigt lateral_control(const Point<L>& point, double xx, double pressure, bool triaxial) {
   Voigt strain = point.last_strain;
@@ -52,6 +52,7 @@ Voigt lateral_control(const Point<L>& point, double xx, double pressure, bool tr
 template <class L, class Path>
 double energy_defect(const L& law, Path path, int steps) {
   Point<L> point(law);
+  point.last_stress = point.trial(Voigt::Zero()).stress;
   double stored = 0.0;
   for (int i = 1; i <= steps; ++i) {
     const Voigt old_elastic = point.elastic(), old_stress = point.last_stress, old_strain = point.last_strain;
@@ -60,7 +61,9 @@ double energy_defect(const L& law, Path path, int steps) {
     EXPECT_GE(point.out.dissipated, -1e-15 * point.out.stress.norm() * (point.last_strain - old_strain).norm());
     const Voigt flow = point.last_strain - old_strain - (point.elastic() - old_elastic);
     const double rest = point.work - old_work - (point.out.stored_energy - stored) - point.out.dissipated;
-    EXPECT_NEAR(rest, -0.5 * (point.out.stress - old_stress).dot(flow), 1e-10 * point.work);
+    if constexpr (requires { law.lame(); }) {  // linear elasticity
+      EXPECT_NEAR(rest, -0.5 * (point.out.stress - old_stress).dot(flow), 1e-10 * point.work);
+    }
     stored = point.out.stored_energy;
   }
   EXPECT_GT(point.dissipated, 0.02 * point.work) << "hardly any plastic flow on the path";

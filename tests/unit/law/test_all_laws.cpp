@@ -24,6 +24,9 @@ template <class L>
 struct EveryDamageLaw : EveryLaw<L> {};
 TYPED_TEST_SUITE(EveryDamageLaw, DamageLaws);
 
+template <class L>
+constexpr bool is_damage_law = !keeps_elastic_strain<L> && !std::is_same_v<L, NeoHookean>;
+
 /// Laws whose stress depends on the rate of strain, or is not zero at the start.
 template <class L>
 constexpr bool is_viscous = L::name == "newtonian";
@@ -50,7 +53,7 @@ TYPED_TEST(EveryLaw, TangentMatchesFiniteDifferences) {
       const Voigt strain = this->random(onset * (k % 3 == 0 ? 0.5 : 6.0), plane);
       const Voigt66 tangent = point.trial(strain).tangent;
       ASSERT_LT(tangent_error(point, strain, plane), 1e-6) << "state " << k;
-      if (integration != Integration::implicit && !keeps_elastic_strain<TypeParam>) {
+      if (integration != Integration::implicit && is_damage_law<TypeParam>) {
         ASSERT_EQ((tangent - tangent.transpose()).norm(), 0.0) << "state " << k;
       }
     }
@@ -85,7 +88,7 @@ TYPED_TEST(EveryLaw, ZeroIncrementIsIdentity) {
     EXPECT_EQ(point.out.dissipated, 0.0);
     point.step(point.last_strain);
     for (std::size_t i = 0; i < old_state.size(); ++i) {
-      if (!keeps_elastic_strain<TypeParam> && i == damage_state::rate) continue;
+      if (is_damage_law<TypeParam> && i == damage_state::rate) continue;
       EXPECT_EQ(point.state[i], old_state[i]) << "state " << i;
     }
   }
@@ -240,8 +243,10 @@ TYPED_TEST(EveryDamageLaw, LargeCellIsReportedAndNeverSoftened) {
 TEST(LawList, VisitsEveryLawOnceWithItsOwnName) {
   std::vector<std::string> names;
   for_each_law([&names](const auto& law) { names.emplace_back(law.name); });
-  const std::vector<std::string> expected = {"linear_elastic", "simo_ju",         "rankine",        "mazars",
-                                             "mazars_classic", "lemaitre_strain", "lemaitre_energy", "mohr_coulomb"};
+  const std::vector<std::string> expected = {
+      "linear_elastic",  "simo_ju",           "rankine",     "mazars",    "mazars_classic",
+      "lemaitre_strain", "lemaitre_energy",   "neo_hookean", "von_mises", "drucker_prager",
+      "mohr_coulomb",    "modified_cam_clay", "newtonian"};
   EXPECT_EQ(names, expected);
 }
 

@@ -28,12 +28,13 @@ struct Laboratory {
   double cohesion, friction, confinement, strength, triaxial, biaxial;
 };
 
-/// Table of the reference cases, V20: clay of 5 kPa and 25 degrees, rockfill of 37 degrees. Its figures have six digits;
-/// the strength that is checked to 1e-8 is s3 Kp + 2 c sqrt(Kp).
-const Laboratory table[] = {{5e3, 25, 0, 15.6969e3, .0156969, .0143768},       {5e3, 25, 10e3, 40.3360e3, .0303360, .0277847},
-                      {5e3, 25, 50e3, 138.893e3, .0888925, .0814166},    {5e3, 25, 100e3, 262.088e3, .162088, .148457},
-                      {0, 37, 10e3, 40.2279e3, .0302279, .0276857},      {0, 37, 50e3, 201.140e3, .151140, .138429},
-                      {0, 37, 100e3, 402.279e3, .302279, .276857}};
+/// Table of the reference cases, V20: clay of 5 kPa and 25 degrees, rockfill of 37 degrees. Its figures have six
+/// digits; the strength that is checked to 1e-8 is s3 Kp + 2 c sqrt(Kp).
+const Laboratory table[] = {
+    {5e3, 25, 0, 15.6969e3, .0156969, .0143768},    {5e3, 25, 10e3, 40.3360e3, .0303360, .0277847},
+    {5e3, 25, 50e3, 138.893e3, .0888925, .0814166}, {5e3, 25, 100e3, 262.088e3, .162088, .148457},
+    {0, 37, 10e3, 40.2279e3, .0302279, .0276857},   {0, 37, 50e3, 201.140e3, .151140, .138429},
+    {0, 37, 100e3, 402.279e3, .302279, .276857}};
 
 TEST(MohrCoulomb, TriaxialAndBiaxialCompression) {
   for (const Laboratory& t : table)
@@ -62,7 +63,8 @@ TEST(MohrCoulomb, TriaxialAndBiaxialCompression) {
           if (x == 1.5) last_volume = point.last_strain.head<3>().sum(), last_axial = point.last_strain[XX];
         }
         EXPECT_GT(point.out.plastic_strain, 0.0);
-        const double dilatancy = (point.last_strain.head<3>().sum() - last_volume) / (point.last_strain[XX] - last_axial);
+        const double dilatancy =
+            (point.last_strain.head<3>().sum() - last_volume) / (point.last_strain[XX] - last_axial);
         if (triaxial) {
           EXPECT_NEAR(dilatancy, 1.0 - passive(psi), 1e-8);
         }
@@ -72,7 +74,8 @@ TEST(MohrCoulomb, TriaxialAndBiaxialCompression) {
         if (triaxial && psi == 10.0) {
           EXPECT_NEAR(dilatancy, -0.42028, 1e-5);
         }
-        // In plane strain the intermediate stress still creeps towards its end; the volume of the plastic strain does not.
+        // In plane strain the intermediate stress still creeps towards its end; the volume of the plastic strain does
+        // not.
         const Voigt plastic = point.last_strain - point.elastic() + confined_point(law, t.confinement).elastic();
         EXPECT_NEAR(plastic.head<3>().sum(), (1.0 - passive(psi)) * plastic[XX], 1e-8 * std::abs(plastic[XX]));
       }
@@ -168,8 +171,8 @@ TEST(MohrCoulomb, EveryRegionReturnsWhereItsTrialStressWasMade) {
       std::sort(strain.begin(), strain.end(), std::greater<>());
       ASSERT_TRUE(law.return_map(strain, kappa, r));
       std::sort(s.begin(), s.end(), std::greater<>());
-      EXPECT_LT((r.stress - s).norm(), 1e-9 * (s.norm() + law.cohesion)) << name << ": region " << region << " as "
-                                                                       << r.region;
+      EXPECT_LT((r.stress - s).norm(), 1e-9 * (s.norm() + law.cohesion))
+          << name << ": region " << region << " as " << r.region;
       ++hits[region];
     }
     const bool cone_only = !cut;
@@ -259,7 +262,8 @@ TEST(MohrCoulomb, TangentInEveryRegion) {
         worst = std::max(worst, error);
     }
     for (const auto& [region, n] : hits) EXPECT_LE(misses[region], n / 200 + 1) << name << ": region " << region;
-    EXPECT_GE(hits.size(), law.friction_angle > 0.0 || law.tensile_strength < MohrCoulomb::no_cut_off ? 4u : 2u) << name;
+    EXPECT_GE(hits.size(), law.friction_angle > 0.0 || law.tensile_strength < MohrCoulomb::no_cut_off ? 4u : 2u)
+        << name;
     std::printf("%-40s worst tangent error %.1e, regions %zu\n", name.c_str(), worst, hits.size());
   }
 }
