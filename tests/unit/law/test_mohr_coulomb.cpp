@@ -208,6 +208,10 @@ TEST(MohrCoulomb, MillionRandomReturns) {
       MohrCoulomb::Returned r;
       law.return_map(SortedPrincipal(in.strain).value, kappa, r);
       ++(cut ? cut_hits : hits)[r.region];
+      if (r.region != MohrCoulomb::elastic && r.region != MohrCoulomb::apex) {  // no negative multiplier, no excess
+        const Vec3 strain = SortedPrincipal(in.strain).value;
+        ASSERT_LT(r.violation, 1e-13 * 3.0 * law.lame().bulk() * strain.cwiseAbs().maxCoeff()) << name << r.region;
+      }
       if (k % 3 == 0) state = next;
       state[6] = 0.0;
     }
