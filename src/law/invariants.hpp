@@ -36,7 +36,7 @@ inline void invariant_tangent(const StrainInvariants& e, double q_per_shear, con
   const double mu = q_per_shear / 3.0;
   Lame{d(0, 0) - 2.0 / 3.0 * mu, mu}.stiffness(1.0, tangent);
   tangent += root * (d(0, 1) * one * n.transpose() + d(1, 0) * n * one.transpose());
-  tangent += (2.0 / 3.0 * d(1, 1) - 2.0 * mu) * n * n.transpose() * (e.shear > 0.0 ? 1.0 : 0.0);
+  tangent += (2.0 / 3.0 * d(1, 1) - 2.0 * mu) * n * n.transpose();
 }
 
 }  // namespace berm
