@@ -10,8 +10,8 @@ struct Sample {
   double value, slope;
 };
 
-/// A root of f between low and high, where f has opposite signs (or is zero), from the guess x. A Newton step of 1e-10 is
-/// the last one: its error is the square of that.
+/// A root of f between low and high, where f has opposite signs (or is zero), from the guess x. A Newton step of 1e-10
+/// is the last one: its error is the square of that.
 template <class F>
 double bracketed_newton(F&& f, double low, double high, double x) {
   constexpr int max_iterations = 200, newton_iterations = 40;

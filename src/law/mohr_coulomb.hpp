@@ -26,9 +26,8 @@ struct MohrCoulomb : YieldingElastic {
 
   static constexpr std::string_view name = "mohr_coulomb";
   static constexpr std::string_view doc =
-      "Mohr-Coulomb plasticity of soil and rock, return in principal axes with all edges and the apex (Clausen, "
-      "Damkilde "
-      "and Andersen 2006), non-associated, Rankine tension cut-off, linear softening; friction angle 0: Tresca.";
+      "Mohr-Coulomb plasticity of soil and rock, non-associated, with all edges and the apex (Clausen, Damkilde and "
+      "Andersen 2006), Rankine tension cut-off and linear softening; friction angle 0: Tresca.";
   static constexpr int n_state = 7;
   static constexpr int elastic_strain = 0;
   static constexpr int accumulated = 6;  ///< place of the accumulated plastic strain in the state
@@ -94,9 +93,10 @@ struct MohrCoulomb : YieldingElastic {
 
   /// Planes that sorted principal stresses can touch.
   enum Plane { mc13, mc12, mc23, cut1, cut2, cut3, n_planes };
-  /// Where a point returned to; the sets of planes in the order in which they are tried. The four sets of cut_corner
-  /// are the same point, where four planes meet.
+  /// Where a point returned to: the place in `sets`, or one of these.
   enum Region { elastic = -1, plane, edge_23, edge_12, first_cut, apex = 12, n_regions };
+  /// Sets of active planes in the order in which they are tried. Those of 7 to 10 are the same point, where four planes
+  /// meet.
   static constexpr std::array<ActiveSet, 12> sets = {{{1, {mc13}},
                                                       {2, {mc13, mc12}},
                                                       {2, {mc13, mc23}},
