@@ -94,10 +94,10 @@ struct MohrCoulomb : YieldingElastic {
   /// Planes that sorted principal stresses can touch.
   enum Plane { mc13, mc12, mc23, cut1, cut2, cut3, n_planes };
   /// Where a point returned to: the place in `sets`, or one of these.
-  enum Region { elastic = -1, plane, edge_23, edge_12, first_cut, apex = 12, n_regions };
-  /// Sets of active planes in the order in which they are tried. Those of 7 to 10 are the same point, where four planes
-  /// meet.
-  static constexpr std::array<ActiveSet, 12> sets = {{{1, {mc13}},
+  enum Region { elastic = -1, plane, edge_23, edge_12, first_cut, apex = 10 };
+  /// Sets of active planes in the order in which they are tried. 7 and 8 are the same point, where four planes meet:
+  /// what the other two triples of these planes take is not sorted.
+  static constexpr std::array<ActiveSet, 10> sets = {{{1, {mc13}},
                                                       {2, {mc13, mc12}},
                                                       {2, {mc13, mc23}},
                                                       {1, {cut1}},
@@ -106,8 +106,6 @@ struct MohrCoulomb : YieldingElastic {
                                                       {3, {cut1, mc13, mc12}},
                                                       {3, {cut1, cut2, mc13}},
                                                       {3, {cut1, mc13, mc23}},
-                                                      {3, {cut2, mc13, mc23}},
-                                                      {3, {cut1, cut2, mc23}},
                                                       {3, {cut1, cut2, cut3}}}};
 
   struct Returned : PolyhedralReturn {

@@ -149,7 +149,7 @@ TEST(MohrCoulomb, EveryRegionReturnsWhereItsTrialStressWasMade) {
     const bool cut = law.cut_off(y);
     const auto planes = law.planes(y);
     std::map<int, int> hits;
-    for (int k = 0; k < 40000; ++k) {
+    for (int k = 0; k < 24000; ++k) {
       const int region = k % int(cut ? MohrCoulomb::sets.size() : std::size_t(MohrCoulomb::first_cut));
       const ActiveSet& set = MohrCoulomb::sets[region];
       // A stress on the planes of the set: from any stress, along the normals.
@@ -175,8 +175,8 @@ TEST(MohrCoulomb, EveryRegionReturnsWhereItsTrialStressWasMade) {
           << name << ": region " << region << " as " << r.region;
       ++hits[region];
     }
-    const bool cone_only = !cut;
-    for (int i = 0; i < (cone_only ? 3 : 12); ++i) EXPECT_GT(hits[i], 15) << name << ": region " << i;
+    for (int i = 0; i < (cut ? int(MohrCoulomb::sets.size()) : 3); ++i)
+      EXPECT_GT(hits[i], 10) << name << ": region " << i;
   }
 }
 
@@ -186,10 +186,10 @@ TEST(MohrCoulomb, MillionRandomReturns) {
   const auto list = variants();
   std::map<int, long> hits, cut_hits;
   double worst = 0.0;
-#ifdef NDEBUG
-  const int trials = 1000000;
+#ifdef __SANITIZE_ADDRESS__
+  const int trials = 100000;  // every one takes its time there
 #else
-  const int trials = 100000;  // with sanitizers and checks every one takes a while
+  const int trials = 1000000;
 #endif
   const int each = trials / int(list.size()) + 1;
   for (const auto& [name, law] : list) {
@@ -223,8 +223,8 @@ TEST(MohrCoulomb, MillionRandomReturns) {
   }
   for (int region : {-1, 0, 1, 2, int(MohrCoulomb::apex)}) EXPECT_GT(hits[region], trials / 2000) << region;
   long corner = 0;
-  for (int region = 7; region <= 10; ++region) corner += cut_hits[region];
-  for (int region : {-1, 0, 1, 2, 3, 4, 5, 6, 11}) EXPECT_GT(cut_hits[region], trials / 2000) << region;
+  for (int region : {7, 8}) corner += cut_hits[region];
+  for (int region : {-1, 0, 1, 2, 3, 4, 5, 6, 9}) EXPECT_GT(cut_hits[region], trials / 2000) << region;
   EXPECT_GT(corner, trials / 2000);
   std::printf("largest excess: %.1e\nhits without cut-off, by region:", worst);
   for (const auto& [region, n] : hits) std::printf(" %d: %ld", region, n);
@@ -292,7 +292,7 @@ TEST(MohrCoulomb, TangentInEveryRegion) {
   for (const auto& [name, law] : list) {
     std::map<int, int> hits, misses;
     double worst = 0.0;
-    for (int k = 0; k < 3000; ++k) {
+    for (int k = 0; k < 2000; ++k) {
       Point<MohrCoulomb> point(law);
       point.step(random(0.02, k % 2 == 0));
       Voigt strain = random(0.05, k % 4 < 2);
