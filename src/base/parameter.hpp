@@ -12,7 +12,19 @@ namespace berm {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Physical dimension of a value; the case reader accepts strings such as "35.5 GPa" for it.
-enum class Unit { none, length, stress, density, energy_per_area, acceleration, angle, force, stress_per_length, time };
+enum class Unit {
+  none,
+  length,
+  stress,
+  density,
+  energy_per_area,
+  acceleration,
+  angle,
+  force,
+  stress_per_length,
+  time,
+  viscosity
+};
 
 /// Admissible interval of a value; open ends exclude the bound itself.
 struct Range {

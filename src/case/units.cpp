@@ -64,6 +64,11 @@ constexpr std::array names = {
     Name{Unit::stress_per_length, "kN/m3", 1e3},
     Name{Unit::stress_per_length, "MN/m3", 1e6},
     Name{Unit::stress_per_length, "N/mm3", 1e9},
+    Name{Unit::viscosity, "Pa s", 1.0},
+    Name{Unit::viscosity, "mPa s", 1e-3},
+    Name{Unit::viscosity, "kPa s", 1e3},
+    Name{Unit::viscosity, "N s/m2", 1.0},
+    Name{Unit::viscosity, "kg/(m s)", 1.0},
 };
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -117,6 +122,8 @@ std::string_view unit_name(Unit unit) {
       return "stress per length";
     case Unit::time:
       return "time";
+    case Unit::viscosity:
+      return "viscosity";
   }
   return "quantity";
 }
@@ -151,7 +158,7 @@ Parsed parse_quantity(std::string_view text, Unit unit) {
   if (name.empty()) return {number * file_factor(unit), ""};
   const Name* other = nullptr;
   for (const Name& known : names) {
-    if (known.text != name) continue;
+    if (plain_unit(known.text) != name) continue;
     if (known.unit == unit) return {number * known.factor, ""};
     if (!other) other = &known;
   }

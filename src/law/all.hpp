@@ -6,15 +6,22 @@
 #include <utility>
 #include <variant>
 
+#include "law/drucker_prager.hpp"
 #include "law/lemaitre.hpp"
 #include "law/linear_elastic.hpp"
 #include "law/mazars.hpp"
+#include "law/modified_cam_clay.hpp"
+#include "law/mohr_coulomb.hpp"
+#include "law/neo_hookean.hpp"
+#include "law/newtonian.hpp"
 #include "law/rankine.hpp"
 #include "law/simo_ju.hpp"
+#include "law/von_mises.hpp"
 
 namespace berm {
 
-using AnyLaw = std::variant<LinearElastic, SimoJu, Rankine, Mazars, MazarsClassic, LemaitreStrain, LemaitreEnergy>;
+using AnyLaw = std::variant<LinearElastic, SimoJu, Rankine, Mazars, MazarsClassic, LemaitreStrain, LemaitreEnergy,
+                            NeoHookean, VonMises, DruckerPrager, MohrCoulomb, ModifiedCamClay, Newtonian>;
 
 /// Calls f with a default-constructed law of each type, in the order of the list.
 template <class F>

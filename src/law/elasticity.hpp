@@ -27,6 +27,8 @@ struct Lame {
     return Voigt(2.0 * mu * t + p * Voigt(1.0, 1.0, 1.0, 0.0, 0.0, 0.0));
   }
 
+  double bulk() const { return lambda + 2.0 / 3.0 * mu; }
+
   /// factor * C as a Voigt matrix.
   void stiffness(double factor, Voigt66& c) const {
     const double l = factor * lambda, m = factor * mu;
@@ -55,6 +57,11 @@ struct IsotropicElastic {
   double free_strain_zz(const Voigt& strain) const {
     return -poisson_ratio / (1.0 - poisson_ratio) * (strain[XX] + strain[YY]);
   }
+};
+
+/// The same for a solid that is not linear elastic to its end: plane stress has no closed form for it.
+struct YieldingElastic : IsotropicElastic {
+  double free_strain_zz(const Voigt&) const = delete;
 };
 
 /// The case keys of IsotropicElastic for the law L that derives from it.

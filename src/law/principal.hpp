@@ -42,6 +42,17 @@ public:
     return g;
   }
 
+  /// Columns n_i, right-handed.
+  Mat3 axes() const {
+    if (!plane_) return axes_;
+    // Half of the angle: the larger of its cosine and sine by a root, the other one without cancellation.
+    const double large = std::sqrt(0.5 * (1.0 + std::abs(cos2_))), small = 0.5 * sin2_ / large;
+    const double c = cos2_ >= 0.0 ? large : small, s = cos2_ >= 0.0 ? small : large;
+    Mat3 n;
+    n << c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0;
+    return n;
+  }
+
 private:
   void general(const Voigt& t) {
     Mat3 m;

@@ -19,6 +19,20 @@ struct EveryLaw : ::testing::Test {
 };
 TYPED_TEST_SUITE(EveryLaw, AllLaws);
 
+/// Properties of laws whose stress is a share 1 - d of the elastic one.
+template <class L>
+struct EveryDamageLaw : EveryLaw<L> {};
+TYPED_TEST_SUITE(EveryDamageLaw, DamageLaws);
+
+template <class L>
+constexpr bool is_damage_law = !keeps_elastic_strain<L> && !std::is_same_v<L, NeoHookean>;
+
+/// Laws whose stress depends on the rate of strain, or is not zero at the start.
+template <class L>
+constexpr bool is_viscous = L::name == "newtonian";
+template <class L>
+constexpr bool starts_stressed = L::name == "modified_cam_clay";
+
 TYPED_TEST(EveryLaw, NameAndParametersAreUsable) {
   static_assert(Law<TypeParam>);
   EXPECT_FALSE(TypeParam::name.empty());
@@ -39,7 +53,7 @@ TYPED_TEST(EveryLaw, TangentMatchesFiniteDifferences) {
       const Voigt strain = this->random(onset * (k % 3 == 0 ? 0.5 : 6.0), plane);
       const Voigt66 tangent = point.trial(strain).tangent;
       ASSERT_LT(tangent_error(point, strain, plane), 1e-6) << "state " << k;
-      if (integration != Integration::implicit) {
+      if (integration != Integration::implicit && is_damage_law<TypeParam>) {
         ASSERT_EQ((tangent - tangent.transpose()).norm(), 0.0) << "state " << k;
       }
     }
@@ -61,6 +75,7 @@ TYPED_TEST(EveryLaw, TangentHoldsAtRepeatedPrincipalValues) {
 }
 
 TYPED_TEST(EveryLaw, ZeroIncrementIsIdentity) {
+  if (is_viscous<TypeParam>) GTEST_SKIP() << "its stress is that of the rate";
   for (int k = 0; k < 50; ++k) {
     Point<TypeParam> point = this->loaded_point(Integration::implicit, k % 2 == 0);
     const LawOutput before = point.out;
@@ -68,17 +83,19 @@ TYPED_TEST(EveryLaw, ZeroIncrementIsIdentity) {
     point.step(point.last_strain);
     EXPECT_EQ((point.out.stress - before.stress).norm(), 0.0);
     EXPECT_EQ(point.out.damage, before.damage);
+    EXPECT_EQ(point.out.plastic_strain, before.plastic_strain);
     EXPECT_EQ(point.out.stored_energy, before.stored_energy);
     EXPECT_EQ(point.out.dissipated, 0.0);
     point.step(point.last_strain);
     for (std::size_t i = 0; i < old_state.size(); ++i) {
-      if (i == damage_state::rate) continue;
+      if (is_damage_law<TypeParam> && i == damage_state::rate) continue;
       EXPECT_EQ(point.state[i], old_state[i]) << "state " << i;
     }
   }
 }
 
 TYPED_TEST(EveryLaw, UnstrainedPointIsFreeOfStress) {
+  if (starts_stressed<TypeParam>) GTEST_SKIP() << "it starts at its reference pressure";
   const LawOutput out = Point<TypeParam>(concrete<TypeParam>()).trial(Voigt::Zero());
   EXPECT_EQ(out.stress.norm(), 0.0);
   EXPECT_EQ(out.damage, 0.0);
@@ -100,7 +117,7 @@ TYPED_TEST(EveryLaw, IsFrameIndifferent) {
   }
 }
 
-TYPED_TEST(EveryLaw, DamageNeverHealsNorReachesOne) {
+TYPED_TEST(EveryDamageLaw, DamageNeverHealsNorReachesOne) {
   Point<TypeParam> point(concrete<TypeParam>());
   double damage = 0.0;
   for (int k = 0; k < 2000; ++k) {
@@ -112,7 +129,7 @@ TYPED_TEST(EveryLaw, DamageNeverHealsNorReachesOne) {
   EXPECT_LE(damage, max_damage);
 }
 
-TYPED_TEST(EveryLaw, UnloadsAlongTheSecant) {
+TYPED_TEST(EveryDamageLaw, UnloadsAlongTheSecant) {
   Point<TypeParam> point = this->loaded_point(Integration::implicit, false);
   const Voigt top = point.last_strain, stress = point.last_stress;
   for (double f : {0.7, 0.2, 0.0, 0.5, 1.0}) {
@@ -139,7 +156,7 @@ double energy_defect(Integration integration, int steps) {
   return std::abs(point.work - point.out.stored_energy - point.dissipated) / point.work;
 }
 
-TYPED_TEST(EveryLaw, WorkIsStoredOrDissipated) {
+TYPED_TEST(EveryDamageLaw, WorkIsStoredOrDissipated) {
   for (const Integration integration : {Integration::implicit, Integration::impl_ex, Integration::lagged}) {
     const double coarse = energy_defect<TypeParam>(integration, 500),
                  fine = energy_defect<TypeParam>(integration, 1000);
@@ -164,7 +181,7 @@ double integration_error(Integration integration, int steps) {
   return worst;
 }
 
-TYPED_TEST(EveryLaw, ExplicitIntegrationsConvergeToTheImplicitOne) {
+TYPED_TEST(EveryDamageLaw, ExplicitIntegrationsConvergeToTheImplicitOne) {
   for (const Integration integration : {Integration::impl_ex, Integration::lagged}) {
     const double coarse = integration_error<TypeParam>(integration, 1000);
     const double fine = integration_error<TypeParam>(integration, 4000);
@@ -173,7 +190,7 @@ TYPED_TEST(EveryLaw, ExplicitIntegrationsConvergeToTheImplicitOne) {
   }
 }
 
-TYPED_TEST(EveryLaw, ExtrapolationErrorIsTheDistanceOfTheDamages) {
+TYPED_TEST(EveryDamageLaw, ExtrapolationErrorIsTheDistanceOfTheDamages) {
   Point<TypeParam> point(concrete<TypeParam>(), 0.05, Integration::impl_ex);
   const Voigt s = concrete<TypeParam>().lame().stress(curved_path(0.9));
   for (double t : {0.3, 0.6, 0.9}) point.step(curved_path(t));
@@ -203,7 +220,7 @@ TYPED_TEST(EveryLaw, RefusesStrainThatIsNotFinite) {
   EXPECT_EQ(point.law.update(in, point.state.data(), next.data(), out), Status::not_admissible);
 }
 
-TYPED_TEST(EveryLaw, LargeCellIsReportedAndNeverSoftened) {
+TYPED_TEST(EveryDamageLaw, LargeCellIsReportedAndNeverSoftened) {
   if constexpr (requires(TypeParam law) { law.fracture_energy; }) {
     const TypeParam law = concrete<TypeParam>();
     const double limit = 2.0 * young * gf / (ft * ft);
@@ -226,8 +243,10 @@ TYPED_TEST(EveryLaw, LargeCellIsReportedAndNeverSoftened) {
 TEST(LawList, VisitsEveryLawOnceWithItsOwnName) {
   std::vector<std::string> names;
   for_each_law([&names](const auto& law) { names.emplace_back(law.name); });
-  const std::vector<std::string> expected = {"linear_elastic", "simo_ju",         "rankine",        "mazars",
-                                             "mazars_classic", "lemaitre_strain", "lemaitre_energy"};
+  const std::vector<std::string> expected = {
+      "linear_elastic",  "simo_ju",           "rankine",     "mazars",    "mazars_classic",
+      "lemaitre_strain", "lemaitre_energy",   "neo_hookean", "von_mises", "drucker_prager",
+      "mohr_coulomb",    "modified_cam_clay", "newtonian"};
   EXPECT_EQ(names, expected);
 }
 
