@@ -36,6 +36,7 @@ public:
     check_groups();
     check_radii();
     check_integration();
+    check_plane_stress();
   }
 
 private:
@@ -189,6 +190,14 @@ private:
       x = std::min(x, std::cos(grid->angle) * p.x() - std::sin(grid->angle) * p.y());
     }
     check_radius(at("grid"), "origin", "the grid", x, grid->origin.norm() + size.norm());
+  }
+
+  void check_plane_stress() const {
+    if (c_.space != Space::plane_stress) return;
+    for (const Material& m : c_.materials)
+      if (!knows_plane_stress(m.law))
+        at("material", m.name)
+            .explain("law", "is for plane strain, axisymmetric models and space, not for plane stress");
   }
 
   /// Only damage can be extrapolated.

@@ -30,6 +30,14 @@ void for_each_law(F&& f) {
   (std::make_index_sequence<std::variant_size_v<AnyLaw>>{});
 }
 
+inline bool knows_plane_stress(const AnyLaw& law) {
+  return std::visit(
+      [](const auto& l) {
+        return !requires { std::decay_t<decltype(l)>::no_plane_stress; };
+      },
+      law);
+}
+
 inline bool is_plastic(const AnyLaw& law) {
   return std::visit([](const auto& l) { return keeps_elastic_strain<std::decay_t<decltype(l)>>; }, law);
 }

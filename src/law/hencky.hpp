@@ -143,7 +143,7 @@ bool hencky_strain(const Mat3& h, Voigt& strain, StrainRate<components>* rate) {
 }
 
 /// Trial elastic Hencky strain of a step with dF = I + g from the elastic strain at its start: ln(dF exp(2 e) dF^T)/2,
-/// and its rate. False if det dF <= 0.   [plasticity (2)]
+/// and its rate. False if det dF <= 0.   [plasticity (1)]
 template <int components>
 bool trial_elastic_strain(const Mat3& g, const Voigt& elastic, Voigt& strain, StrainRate<components>* rate) {
   double log_area = 0.0;

@@ -62,7 +62,8 @@ struct LawOutput {
 ///
 /// A law of plasticity also says `static constexpr int elastic_strain = I`: its state holds the elastic strain (Voigt,
 /// engineering shear) in the six doubles from I on. It must be isotropic: trial elastic strain, elastic strain and
-/// stress share their axes (docs/theory/plasticity.md).
+/// stress share their axes (docs/theory/plasticity.md). If plane
+/// stress means nothing for it, or its corners keep plane_stress.hpp from converging, `no_plane_stress = true` says so.
 template <class L>
 concept Law = requires(const L law, const LawInput& in, const double* old_state, double* new_state, LawOutput& out,
                        double length) {

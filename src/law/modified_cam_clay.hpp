@@ -25,6 +25,7 @@ struct ModifiedCamClay {
       "modulus. A point starts at the reference pressure and carries no tension.";
   static constexpr int n_state = 8;
   static constexpr int elastic_strain = 0;
+  static constexpr bool no_plane_stress = true;
   enum State { preconsolidation = 6, accumulated = 7 };
 
   static std::vector<Parameter<ModifiedCamClay>> parameters() {

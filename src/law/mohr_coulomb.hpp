@@ -30,6 +30,7 @@ struct MohrCoulomb : YieldingElastic {
       "Andersen 2006), Rankine tension cut-off and linear softening; friction angle 0: Tresca.";
   static constexpr int n_state = 7;
   static constexpr int elastic_strain = 0;
+  static constexpr bool no_plane_stress = true;
   static constexpr int accumulated = 6;  ///< place of the accumulated plastic strain in the state
   /// Share of the elastic stiffness in the tangent of a point at a vertex, where the true tangent is zero: the same
   /// as of a broken point of the damage laws.

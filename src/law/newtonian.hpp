@@ -19,6 +19,7 @@ struct Newtonian {
       "the step; also carries tension (no cavitation).";
   static constexpr int n_state = 6;
   static constexpr int elastic_strain = 0;
+  static constexpr bool no_plane_stress = true;
 
   static std::vector<Parameter<Newtonian>> parameters() {
     using L = Newtonian;

@@ -62,7 +62,7 @@ bool strain_of(const Mat3& h, Kinematics kinematics, Voigt& strain, StrainRate<c
 }
 
 /// Trial elastic strain of the step from old_f to f and, if asked for, its rate; false if a determinant is not
-/// positive. [plasticity (2), (3)]
+/// positive. [plasticity (1)]
 template <int components>
 bool trial_strain_of(const Mat3& old_f, const Mat3& f, Kinematics kinematics, const Voigt& elastic, Voigt& strain,
                      StrainRate<components>* rate) {

@@ -65,7 +65,7 @@ void QuasiStaticStep::prepare(Integration integration) {
 NodalVector QuasiStaticStep::pressure_at(double time) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
-  world_.boundary->add_pressure(time, f);
+  world_.comm.agree([&] { world_.boundary->add_pressure(time, f); });
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }
@@ -237,12 +237,23 @@ NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bo
       });
 }
 
+/// Throws, on all processes alike, if a motion has no value at the end of the step.
+void QuasiStaticStep::check_motions() const {
+  const Case& c = world_.spec;
+  c.gravity.at(t1_);
+  for (const Body& b : c.bodies) b.displacement.at(t1_);
+  for (const NodeBoundary& b : c.boundaries)
+    for (const auto& u : b.u)
+      if (u) u->at(t1_);
+}
+
 StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   prepare(integration);
   n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
   t0_ = world_.time;
   t1_ = world_.time + dt;
   settings_.dt = dt;
+  check_motions();
   if (gauge_ < 0) pressure_ = pressure_at(t1_);
   weight_ = weight_at(t1_);
   prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);

@@ -51,6 +51,7 @@ private:
   void prepare(Integration integration);
   void lay_out(bool symmetric);
   bool residual(const std::vector<double>& x, std::vector<double>& r);
+  void check_motions() const;
   NodalVector pressure_at(double time) const;
   NodalVector weight_at(double time) const;
   void sum_forces();

@@ -73,6 +73,122 @@ TEST(ElasticStrain, AgreesWithTheTotalStrainInEveryModel) {
   }
 }
 
+/// A point that has been compressed evenly by `pressure` and sheared, and a second step from there.
+template <class L, int components>
+struct SecondStep {
+  L law = concrete<L>();
+  Space space;
+  Kinematics kinematics;
+  std::vector<double> state = std::vector<double>(L::n_state), next = state;
+  Mat3 old_f = Mat3::Identity();
+  double old_zz = 0.0;
+
+  SecondStep(Space s, Kinematics k, const Mat3& first) : space(s), kinematics(k) {
+    law.initial_state(state.data());
+    PointResponse unused;
+    double zz = 0.0;
+    EXPECT_EQ(point_response<components>(law, space, kinematics, old_f, first, LawInput{}, state.data(), next.data(),
+                                         zz, unused),
+              Status::ok);
+    state = next;
+    old_f = first;
+    old_zz = zz;
+  }
+
+  /// Force on the reference area, and the tangent.
+  Mat3 force(const Mat3& f, Modulus<components>* tangent = nullptr) {
+    PointResponse out;
+    double zz = old_zz;
+    EXPECT_EQ(point_response<components>(law, space, kinematics, old_f, f, LawInput{}, state.data(), next.data(), zz,
+                                         out, tangent),
+              Status::ok);
+    plastic_strain = out.plastic_strain;
+    const Mat3 stress = tensor(out.stress);
+    return kinematics == Kinematics::small ? stress : Mat3(stress * f.inverse().transpose());
+  }
+  double plastic_strain = 0.0;
+};
+
+constexpr std::pair<int, int> component_places[3][9] = {
+    {{0, 0}, {0, 1}, {1, 0}, {1, 1}},
+    {{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 2}},
+    {{0, 0}, {0, 1}, {0, 2}, {1, 0}, {1, 1}, {1, 2}, {2, 0}, {2, 1}, {2, 2}}};
+
+/// Compression by `squeeze` in all directions and a random rest of size `shear`.
+Mat3 first_step(RandomStrain& random, double squeeze, double shear, Space space) {
+  Mat3 h = shear * tensor(random(1.0, false)) - squeeze * Mat3::Identity();
+  h(0, 1) += shear;  // with a spin
+  if (space == Space::solid) return Mat3::Identity() + h;
+  h.row(2).setZero(), h.col(2).setZero();
+  if (space == Space::axisymmetric) h(2, 2) = -squeeze;
+  return Mat3::Identity() + h;
+}
+
+/// States at which the tangent is not that of central differences, of `states`; and how many of all flow.
+template <class L, int components>
+std::pair<int, int> wrong_tangents(Space space, Kinematics kinematics, double squeeze, double shear, int states) {
+  RandomStrain random;
+  const auto& at = component_places[components == 4 ? 0 : components == 5 ? 1 : 2];
+  int wrong = 0, flows = 0;
+  for (int k = 0; k < states; ++k) {
+    SecondStep<L, components> point(space, kinematics, first_step(random, squeeze, shear, space));
+    const Mat3 f = (first_step(random, 0.3 * squeeze, 0.7 * shear, space)) * point.old_f;
+    Modulus<components> tangent, numerical;
+    point.force(f, &tangent);
+    flows += point.plastic_strain > 0.0;
+    const double h = 1e-6 * (squeeze + shear);
+    for (int column = 0; column < components; ++column) {
+      Mat3 l = Mat3::Zero();
+      l(at[column].first, at[column].second) = h;
+      const Mat3 df = kinematics == Kinematics::small ? l : Mat3(l * f);
+      Mat3 d = (point.force(f + df) - point.force(f - df)) / (2.0 * h);
+      if (kinematics == Kinematics::finite) d = d * f.transpose();
+      for (int row = 0; row < components; ++row) numerical(row, column) = d(at[row].first, at[row].second);
+    }
+    // Differences that cross a border between regions are not the tangent; an apex has a small one of its own.
+    const double limit = 2e-6 * tangent.norm() + 3e-5 * point.law.stiffness();
+    wrong += (tangent - numerical).norm() > limit;
+  }
+  return {wrong, flows};
+}
+
+template <class L>
+struct PlasticPoint : ::testing::Test {};
+using PlasticLaws = ::testing::Types<VonMises, DruckerPrager, MohrCoulomb, ModifiedCamClay>;
+TYPED_TEST_SUITE(PlasticPoint, PlasticLaws);
+
+/// Both for strains at which the point begins to flow and for large ones.
+TYPED_TEST(PlasticPoint, TangentIsThatOfDifferencesAfterAFirstStep) {
+  for (const double size : {2e-4, 0.02})
+    for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite}) {
+      constexpr int states = 200, few = 4;
+      const auto expect = [&](const char* model, const std::pair<int, int>& counted) {
+        SCOPED_TRACE(testing::Message() << model << (kinematics == Kinematics::small ? " small " : " finite ") << size);
+        EXPECT_LE(counted.first, few);
+        EXPECT_GT(counted.second, states / 4);
+      };
+      const double squeeze = TypeParam::name == "modified_cam_clay" ? 2e-3 : size;
+      expect("plane strain", wrong_tangents<TypeParam, 4>(Space::plane_strain, kinematics, squeeze, size, states));
+      if constexpr (!requires { TypeParam::no_plane_stress; })
+        expect("plane stress", wrong_tangents<TypeParam, 4>(Space::plane_stress, kinematics, squeeze, size, states));
+      expect("axisymmetric", wrong_tangents<TypeParam, 5>(Space::axisymmetric, kinematics, squeeze, size, states));
+      expect("solid", wrong_tangents<TypeParam, 9>(Space::solid, kinematics, squeeze, size, states));
+    }
+}
+
+/// A rigid turn of a stressed, flowing point turns its stress and nothing else.
+TYPED_TEST(PlasticPoint, RigidTurnTurnsTheStress) {
+  RandomStrain random;
+  for (int k = 0; k < 50; ++k) {
+    SecondStep<TypeParam, 9> point(Space::solid, Kinematics::finite, first_step(random, 1e-3, 1e-3, Space::solid));
+    const Mat3 before = point.force(point.old_f) * point.old_f.transpose(), q = random.rotation();
+    const double flown = point.plastic_strain;
+    const Mat3 f = q * point.old_f, after = point.force(f) * f.transpose();
+    EXPECT_LT((after - q * before * q.transpose()).norm(), 1e-9 * before.norm());
+    EXPECT_NEAR(point.plastic_strain, flown, 1e-12);
+  }
+}
+
 /// Strains of 1e-12 keep eight digits through a step.
 TEST(ElasticStrain, KeepsTheDigitsOfSmallStrains) {
   Voigt elastic, strain;

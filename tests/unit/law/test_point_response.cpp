@@ -99,7 +99,8 @@ struct EveryPoint : ::testing::Test {
   L law = concrete<L>();
   RandomStrain random;
 };
-TYPED_TEST_SUITE(EveryPoint, AllLaws);
+// Laws that keep their elastic strain: test_elastic_strain.cpp.
+TYPED_TEST_SUITE(EveryPoint, DamageLaws);
 
 TYPED_TEST(EveryPoint, TangentMatchesFiniteDifferencesOfTheForce) {
   for (int k = 0; k < 800; ++k) {
