@@ -4,6 +4,7 @@
 #include <muParser.h>
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "base/error.hpp"
@@ -28,7 +29,7 @@ TimeFunction::TimeFunction(const std::string& text) {
     parser.DefineVar("x", &expression->x[0]);
     parser.DefineVar("y", &expression->x[1]);
     parser.DefineVar("z", &expression->x[2]);
-    parser.DefineConst("pi", std::acos(-1.0));
+    parser.DefineConst("pi", std::numbers::pi);
     parser.SetExpr(text);
     for (const auto& used : parser.GetUsedVar()) expression->depends_on_place |= used.first != "t";
     parser.Eval();

@@ -45,7 +45,7 @@ struct PointSeeding {
   int per_direction = 2;                                                 ///< grid: points per cell and direction
   enum class Placement { gauss, uniform } placement = Placement::gauss;  ///< grid: positions in uncut cells
   BodyMeshOptions mesh;  ///< mesh: the body mesh whose Gauss points become points
-  int per_element = 4;   ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad; 1, 4 a tetrahedron; 1, 8, 27 a hexahedron
+  int per_element = 4;  ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad; 1, 4 a tetrahedron; 1, 8, 27 a hexahedron
 };
 
 struct Body {
@@ -181,7 +181,7 @@ struct Output {
 
 /// When the state is saved, so that a run can go on after an end of any kind.
 struct Checkpoint {
-  int every_steps = 0;         ///< steps between checkpoints; 0: by time alone
+  int every_steps = 0;          ///< steps between checkpoints; 0: by time alone
   double every_minutes = 10.0;  ///< wall-clock minutes between checkpoints; 0: by steps alone
 };
 
@@ -197,9 +197,9 @@ struct Case {
   Space space = Space::plane_strain;
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
-  double thickness = 1.0;           ///< of plane models [m]
-  VectorFunction gravity;                          ///< [m/s2]
-  std::variant<StructuredGrid, std::string> grid;  ///< mpm: structured, or a Gmsh file (resolved path)
+  double thickness = 1.0;                                     ///< of plane models [m]
+  VectorFunction gravity;                                     ///< [m/s2]
+  std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<NodeBoundary> boundaries;
@@ -216,5 +216,16 @@ struct Case {
   std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
   std::vector<std::string> warnings;
 };
+
+/// Calls f with every motion of a case and its gravity: the functions of time that may not depend on the place.
+template <class AnyCase, class F>
+void for_each_motion(AnyCase& c, F f) {
+  for (auto& component : c.gravity.component) f(component);
+  for (auto& body : c.bodies)
+    for (auto& component : body.displacement.component) f(component);
+  for (auto& boundary : c.boundaries)
+    for (auto& u : boundary.u)
+      if (u) f(*u);
+}
 
 }  // namespace berm

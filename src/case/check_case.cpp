@@ -204,11 +204,10 @@ private:
   void check_integration() const {
     for (const Material& m : c_.materials) {
       if (!is_plastic(m.law)) continue;
-      const char* why = "material \"{}\" has a law of plasticity, which is always integrated implicitly";
-      if (c_.solver.integration != Integration::implicit)
-        at("solver").explain("integration", fmt::format(fmt::runtime(why), m.name));
-      if (c_.solver.snap_back == Solver::SnapBack::impl_ex)
-        at("solver").explain("snap_back", fmt::format(fmt::runtime(why), m.name));
+      const std::string why =
+          fmt::format("material \"{}\" has a law of plasticity, which is always integrated implicitly", m.name);
+      if (c_.solver.integration != Integration::implicit) at("solver").explain("integration", why);
+      if (c_.solver.snap_back == Solver::SnapBack::impl_ex) at("solver").explain("snap_back", why);
       return;
     }
   }

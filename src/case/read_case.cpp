@@ -10,14 +10,7 @@ namespace {
 /// Plain numbers of loads and motions are reached at the end of the run.
 void set_ends(Case& c) {
   const double end = c.steps.duration;
-  const auto set = [end](VectorFunction& v) {
-    for (TimeFunction& f : v.component) f.set_end(end);
-  };
-  set(c.gravity);
-  for (Body& b : c.bodies) set(b.displacement);
-  for (NodeBoundary& b : c.boundaries)
-    for (auto& u : b.u)
-      if (u) u->set_end(end);
+  for_each_motion(c, [end](TimeFunction& f) { f.set_end(end); });
   for (Pressure& p : c.pressures) p.value.set_end(end);
 }
 

@@ -24,6 +24,17 @@ void wrong_type(const Scope& scope, const Node::Entry& entry, std::string_view w
                                                       entry.value.type_name()));
 }
 
+/// Calls read(item, index) for each of an array with one number a direction; true if there are as many and all could be
+/// read.
+template <class Read>
+bool read_items(const Scope& scope, const Node::Entry& entry, Read read) {
+  const Node::Array* items = read_directions(scope, entry, "numbers", "");
+  if (!items) return false;
+  bool complete = true;
+  for (std::size_t i = 0; i < items->size(); ++i) complete = read(item_entry(entry, i, (*items)[i]), i) && complete;
+  return complete;
+}
+
 /// A number and at most the name of a unit: "9.81 m/s2". Everything else is an expression: "9.81*t", "2/t".
 bool looks_like_quantity(const std::string& text) {
   char* rest = nullptr;
@@ -150,15 +161,12 @@ std::optional<TimeFunction> read_function(const Scope& scope, const Node::Entry&
 }
 
 std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit) {
-  const Node::Array* items = read_directions(scope, entry, "numbers", "");
-  if (!items) return std::nullopt;
   VectorFunction vector;
-  bool complete = true;
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    const auto function = read_function(scope, item_entry(entry, i, (*items)[i]), unit, false);
-    complete = complete && function;
-    vector.component[i] = function.value_or(TimeFunction());
-  }
+  const bool complete = read_items(scope, entry, [&](const Node::Entry& item, std::size_t i) {
+    const auto function = read_function(scope, item, unit, false);
+    if (function) vector.component[i] = *function;
+    return function.has_value();
+  });
   return complete ? std::optional(vector) : std::nullopt;
 }
 
@@ -222,15 +230,12 @@ const Node::Array* read_directions(const Scope& scope, const Node::Entry& entry,
 }
 
 std::optional<Vec3> read_vector(const Scope& scope, const Node::Entry& entry, Unit unit, const Range& range) {
-  const Node::Array* items = read_directions(scope, entry, "numbers", "");
-  if (!items) return std::nullopt;
   Vec3 vector = Vec3::Zero();
-  bool complete = true;
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    const auto number = read_number(scope, item_entry(entry, i, (*items)[i]), unit, range);
-    complete = complete && number;
+  const bool complete = read_items(scope, entry, [&](const Node::Entry& item, std::size_t i) {
+    const auto number = read_number(scope, item, unit, range);
     vector[static_cast<Eigen::Index>(i)] = number.value_or(0.0);
-  }
+    return number.has_value();
+  });
   return complete ? std::optional(vector) : std::nullopt;
 }
 

@@ -239,12 +239,7 @@ NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bo
 
 /// Throws, on all processes alike, if a motion has no value at the end of the step.
 void QuasiStaticStep::check_motions() const {
-  const Case& c = world_.spec;
-  c.gravity.at(t1_);
-  for (const Body& b : c.bodies) b.displacement.at(t1_);
-  for (const NodeBoundary& b : c.boundaries)
-    for (const auto& u : b.u)
-      if (u) u->at(t1_);
+  for_each_motion(world_.spec, [this](const TimeFunction& f) { f.at(t1_); });
 }
 
 StepResult QuasiStaticStep::attempt(double dt, Integration integration) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "law/all.hpp"
+#include "law/point_response.hpp"
 #include "law/principal.hpp"
 
 namespace berm::test {
@@ -191,6 +192,18 @@ double tangent_error(const Point<L>& point, const Voigt& strain, bool plane = fa
     distance = std::min(distance, (error - residual).norm());
   }
   return std::max(0.0, distance - 2e-10 * point.law.stiffness()) / tangent.norm();
+}
+
+/// Components of grad u that a model has, as it orders them: row and column of each.
+inline std::vector<std::pair<int, int>> places(Space space) {
+  switch (space) {
+    case Space::solid:
+      return {{0, 0}, {0, 1}, {0, 2}, {1, 0}, {1, 1}, {1, 2}, {2, 0}, {2, 1}, {2, 2}};
+    case Space::axisymmetric:
+      return {{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 2}};
+    default:
+      return {{0, 0}, {0, 1}, {1, 0}, {1, 1}};
+  }
 }
 
 }  // namespace berm::test

@@ -8,18 +8,6 @@ namespace {
 
 constexpr Space all_spaces[] = {Space::plane_strain, Space::plane_stress, Space::axisymmetric, Space::solid};
 
-/// Components of grad u that a model has, as it orders them: row and column of each.
-std::vector<std::pair<int, int>> places(Space space) {
-  switch (space) {
-    case Space::solid:
-      return {{0, 0}, {0, 1}, {0, 2}, {1, 0}, {1, 1}, {1, 2}, {2, 0}, {2, 1}, {2, 2}};
-    case Space::axisymmetric:
-      return {{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 2}};
-    default:
-      return {{0, 0}, {0, 1}, {1, 0}, {1, 1}};
-  }
-}
-
 struct Response : PointResponse {
   double strain_zz = 0.0;
   Eigen::MatrixXd tangent;
