@@ -30,8 +30,6 @@ constexpr bool is_damage_law = !keeps_elastic_strain<L> && !std::is_same_v<L, Ne
 /// Laws whose stress depends on the rate of strain, or is not zero at the start.
 template <class L>
 constexpr bool is_viscous = L::name == "newtonian";
-template <class L>
-constexpr bool starts_stressed = L::name == "modified_cam_clay";
 
 TYPED_TEST(EveryLaw, NameAndParametersAreUsable) {
   static_assert(Law<TypeParam>);
@@ -75,9 +73,9 @@ TYPED_TEST(EveryLaw, TangentHoldsAtRepeatedPrincipalValues) {
 }
 
 TYPED_TEST(EveryLaw, ZeroIncrementIsIdentity) {
-  if (is_viscous<TypeParam>) GTEST_SKIP() << "its stress is that of the rate";
   for (int k = 0; k < 50; ++k) {
     Point<TypeParam> point = this->loaded_point(Integration::implicit, k % 2 == 0);
+    if (is_viscous<TypeParam>) point.step(point.last_strain);  // its stress is that of the rate: it comes to rest
     const LawOutput before = point.out;
     const std::vector<double> old_state = point.state;
     point.step(point.last_strain);
@@ -94,10 +92,12 @@ TYPED_TEST(EveryLaw, ZeroIncrementIsIdentity) {
   }
 }
 
-TYPED_TEST(EveryLaw, UnstrainedPointIsFreeOfStress) {
-  if (starts_stressed<TypeParam>) GTEST_SKIP() << "it starts at its reference pressure";
-  const LawOutput out = Point<TypeParam>(concrete<TypeParam>()).trial(Voigt::Zero());
-  EXPECT_EQ(out.stress.norm(), 0.0);
+TYPED_TEST(EveryLaw, UnstrainedPointHasTheStressOfTheStart) {
+  const TypeParam law = concrete<TypeParam>();
+  const LawOutput out = Point<TypeParam>(law).trial(Voigt::Zero());
+  Voigt expected = Voigt::Zero();
+  if constexpr (requires { law.reference_pressure; }) expected.head<3>().setConstant(-law.reference_pressure);
+  EXPECT_EQ((out.stress - expected).norm(), 0.0);
   EXPECT_EQ(out.damage, 0.0);
   EXPECT_TRUE(out.tangent.allFinite());
 }
