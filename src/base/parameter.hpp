@@ -18,6 +18,7 @@ enum class Unit {
   stress,
   density,
   energy_per_area,
+  velocity,
   acceleration,
   angle,
   force,

@@ -43,7 +43,7 @@ TimeFunction::TimeFunction(const std::string& text) {
 }
 
 double TimeFunction::at(double t, const Vec3& x) const {
-  if (!expression_) return value_ * (t / end_);
+  if (!expression_) return t < end_ ? value_ * (t / end_) : value_;
   expression_->t = t;
   expression_->x = x;
   const double value = expression_->parser.Eval();

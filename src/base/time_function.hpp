@@ -9,8 +9,8 @@
 
 namespace berm {
 
-/// A number, reached linearly from 0 at the start to the end of the run; or an expression of t [s] and x, y, z [m],
-/// whose value is in SI units: "9.81*min(t/0.5, 1)". The language of expressions is muParser's: + - * / ^, comparisons,
+/// A number, reached linearly from 0 at the start and then held; or an expression of t [s] and x, y, z [m], whose value
+/// is in SI units: "9.81*min(t/0.5, 1)". The language of expressions is muParser's: + - * / ^, comparisons,
 /// a ? b : c, sin, cos, exp, sqrt, abs, min, max, ..., pi.
 class TimeFunction {
 public:
@@ -20,7 +20,7 @@ public:
 
   /// At that time [s] and place [m]. Throws RunError if the expression has no finite value there.
   double at(double t, const Vec3& x = Vec3::Zero()) const;
-  /// When a number is reached [s].
+  /// When a number is reached [s]; 0: it holds from the start.
   void set_end(double end) { end_ = end; }
 
   bool is_number() const { return !expression_; }
@@ -45,7 +45,9 @@ private:
 struct VectorFunction {
   std::array<TimeFunction, 3> component;
 
-  Vec3 at(double t) const { return {component[0].at(t), component[1].at(t), component[2].at(t)}; }
+  Vec3 at(double t, const Vec3& x = Vec3::Zero()) const {
+    return {component[0].at(t, x), component[1].at(t, x), component[2].at(t, x)};
+  }
   bool is_zero() const { return component[0].is_zero() && component[1].is_zero() && component[2].is_zero(); }
 };
 

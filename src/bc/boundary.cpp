@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.hpp"
 
@@ -66,6 +67,10 @@ Anchor anchor_at(int body, const Vec3& x, const Vec3& normal = Vec3::Zero()) {
   return a;
 }
 
+bool share_a_stage(const Stages& a, const Stages& b) {
+  return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
 bool is_rigid_motion(Contact::Kind kind) { return kind == Contact::Kind::shared_nodes; }
 
 }  // namespace
@@ -80,6 +85,8 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
   read_pressures(c, surface);
   read_contacts(c, d, surface);
   read_pins_and_gauges(c, d);
+  boundaries_at_.clear();
+  begin_stage(c.stages.empty() ? "" : c.stages.front().name);
   if (comm_.is_root()) return;
   pressures_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
 }
@@ -111,19 +118,29 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
   }
 }
 
-/// The first boundary owns a displacement; a second one may only repeat it.
+/// The first boundary of a stage owns a displacement; another one may only repeat it.
 void BoundaryConditions::prescribe(int node, int component, int boundary) {
-  const auto [owner, is_new] = owner_.try_emplace({node, component}, conditions_.size());
-  if (is_new) {
-    conditions_.push_back({node, component, boundary});
-    return;
+  const NodeBoundary& spec = case_.boundaries[boundary];
+  std::vector<int>& others = boundaries_at_[{node, component}];
+  for (const int other : others) {
+    const NodeBoundary& first = case_.boundaries[other];
+    if (first.u[component] != spec.u[component] && share_a_stage(first.stages, spec.stages))
+      throw InputError(
+          fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
+                      "make their regions disjoint",
+                      first.name, spec.name, "xyz"[component]));
   }
-  const NodeCondition& first = conditions_[owner->second];
-  if (case_.boundaries[first.boundary].u[component] != case_.boundaries[boundary].u[component])
-    throw InputError(
-        fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
-                    "make their regions disjoint",
-                    case_.boundaries[first.boundary].name, case_.boundaries[boundary].name, "xyz"[component]));
+  others.push_back(boundary);
+  conditions_.push_back({node, component, boundary});
+}
+
+void BoundaryConditions::begin_stage(const std::string& name) {
+  stage_ = name;
+  connectivity_ = -1;
+}
+
+bool BoundaryConditions::acts(const Stages& stages) const {
+  return stages.empty() || std::find(stages.begin(), stages.end(), stage_) != stages.end();
 }
 
 void BoundaryConditions::read_pressures(const Case& c, const std::vector<SurfacePoint>& surface) {
@@ -159,7 +176,7 @@ void BoundaryConditions::add_rigid_points(const Case& c, int contact, const Regi
                     spec.name));
   for (const Vec3& x : places) {
     RigidPoint point;
-    point.anchor = anchor_at(rigid_of_contact_[contact], x);
+    point.anchor = anchor_at(body_index(c, spec.body), x);
     point.anchor.rigid = true;
     point.id = static_cast<int>(rigid_points_.size());
     point.contact = contact;
@@ -203,7 +220,7 @@ void BoundaryConditions::read_pins_and_gauges(const Case& c, const Discretisatio
     PinPoint pin;
     const int body = body_index(c, spec.body);
     pin.anchor = anchor_at(body, spec.at);
-    pin.id = static_cast<int>(pins_.size());
+    pin.id = pin.pin = static_cast<int>(pins_.size());
     for (int i = 0; i < dimension_; ++i)
       if (spec.fixed[i]) pin.stiffness[i] = stiffness_of(c, body) * (is_plane(c.space) ? c.thickness : d.cell_size());
     pins_.push_back(pin);
@@ -273,7 +290,7 @@ void BoundaryConditions::move_anchors(const Discretisation& d) {
 void BoundaryConditions::share_nodes(const Discretisation& d) {
   moved_by_.assign(d.n_nodes(), -1);
   for (std::size_t k = 0; k < case_.contacts.size(); ++k) {
-    if (!is_rigid_motion(case_.contacts[k].kind)) continue;
+    if (!is_rigid_motion(case_.contacts[k].kind) || !acts(case_.contacts[k].stages)) continue;
     std::vector<char> shared(d.n_nodes(), 0);
     for (const RigidPoint& p : rigid_points_)
       if (p.contact == static_cast<int>(k))
@@ -290,9 +307,16 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
   if (connectivity_ != d.connectivity) {
     connectivity_ = d.connectivity;
     local_conditions_.clear();
-    for (std::size_t k = 0; k < conditions_.size(); ++k)
-      if (const int node = d.halo.find(conditions_[k].node); node >= 0)
-        local_conditions_.emplace_back(static_cast<int>(k), node);
+    std::set<std::pair<int, int>> taken;
+    for (std::size_t k = 0; k < conditions_.size(); ++k) {
+      const NodeCondition& c = conditions_[k];
+      if (!acts(case_.boundaries[c.boundary].stages)) continue;
+      for (int field = 0; field < d.n_fields(); ++field) {
+        const int node = d.halo.find(c.node + std::int64_t(field) * d.mesh().n_nodes());
+        if (node >= 0 && taken.insert({node, c.component}).second)
+          local_conditions_.emplace_back(static_cast<int>(k), node);
+      }
+    }
   }
   fixed_.assign(static_cast<std::size_t>(dimension_) * d.n_nodes(), 0);
   for (const auto& [k, node] : local_conditions_) fixed_[dimension_ * node + conditions_[k].component] = 1;
@@ -335,6 +359,7 @@ Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
 BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
                                                                    double t0, double t1) const {
   const Contact::Kind kind = case_.contacts[point.contact].kind;
+  if (!acts(case_.contacts[point.contact].stages)) return {Vec3::Zero(), Mat3::Zero(), false};
   const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
   const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;
@@ -369,13 +394,15 @@ void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1,
     if (c.active) add(p.anchor, c.force, c.stiffness);
   }
   for (const PinPoint& pin : pins_) {
+    if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
     add(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k);
   }
 }
 
 Vec3 BoundaryConditions::force_of(const PressurePoint& point, double time) const {
-  return case_.pressures[point.load].value.at(time, point.anchor.x) * point.area;
+  const Pressure& load = case_.pressures[point.load];
+  return acts(load.stages) ? Vec3(load.value.at(time, point.anchor.x) * point.area) : Vec3::Zero();
 }
 
 void BoundaryConditions::add_pressure(double time, NodalVector& f) const {
@@ -400,6 +427,7 @@ std::vector<Vec3> BoundaryConditions::pressure_forces(double time) const {
 
 void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
   for (ContactPoint& p : contacts_) {
+    if (!acts(case_.contacts[p.contact].stages)) continue;
     const Vec3 rigid = rigid_step(rigid_of_contact_[p.contact], t0, t1);
     const Vec3 relative = p.anchor.stencil.interpolate(du) - rigid;
     if (case_.contacts[p.contact].kind == Contact::Kind::tie) {
@@ -534,7 +562,7 @@ void BoundaryConditions::restore_rigid(double time) {
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
     if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(time);
   for (RigidPoint& p : rigid_points_) {
-    p.anchor.u = rigid_offset_[p.anchor.body];
+    p.anchor.u = rigid_offset_[rigid_of_contact_[p.contact]];
     if (case_.kinematics == Kinematics::finite) p.anchor.x = p.anchor.X + p.anchor.u;
   }
 }

@@ -21,6 +21,10 @@ public:
   /// surface.
   BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surfaces);
 
+  /// Only what acts in that stage counts from now on.
+  void begin_stage(const std::string& name);
+  const std::string& stage() const { return stage_; }
+
   /// Anchors travel to the processes that own their cells. Collective. Throws RunError if one lies outside the grid.
   void move_anchors(const Discretisation& d);
   /// Anchors of this process that must move with the material.
@@ -96,7 +100,7 @@ private:
   int dimension_ = 2;
   double cell_size_ = 0.0;
   std::vector<NodeCondition> conditions_;
-  std::map<std::pair<int, int>, std::size_t> owner_;  ///< node, component -> index into conditions_
+  std::map<std::pair<int, int>, std::vector<int>> boundaries_at_;  ///< node, component -> boundaries, while reading
   std::vector<PressurePoint> pressures_;
   std::vector<ContactPoint> contacts_;
   std::vector<RigidPoint> rigid_points_;
@@ -106,6 +110,9 @@ private:
   std::map<int, Region> rigid_regions_;
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
+
+  std::string stage_;
+  bool acts(const Stages& stages) const;
 
   // of the step
   std::vector<char> fixed_;

@@ -52,7 +52,7 @@ struct RigidPoint {
 /// A held spot of a body.
 struct PinPoint {
   Anchor anchor;
-  int id = 0;
+  int id = 0, pin = 0;  ///< pin: index into the case's pins
   Vec3 stiffness = Vec3::Zero();  ///< by direction; 0: free [N/m]
 };
 

@@ -170,8 +170,10 @@ Table<Body> body_table() {
   t.table("mesh", &Body::mesh, mesh_table());
   t.no_default().only(meshed, "in deformable bodies with a shape");
   t.vector_function("displacement", &Body::displacement, Unit::length,
-                    "motion; a number is reached linearly at the end of the run");
+                    "motion; a number is reached linearly at the end of the first stage");
   t.only(rigid, "in rigid bodies (deformable ones are moved by [boundary.NAME])");
+  t.vector_function("velocity", &Body::velocity, Unit::velocity, "of its places x, y, z at the start (dynamic)", true);
+  t.only(deformable, "in deformable bodies");
   t.check(check_body);
   return t;
 }

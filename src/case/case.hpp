@@ -2,6 +2,7 @@
 /// A case file in memory: typed, complete, validated. Plain data; filled by read_case() only.
 /// Every length is in metres, every angle in radians, every stress in pascals.
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -20,6 +21,9 @@ namespace berm {
 
 enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
+
+/// Names of the stages in which something acts; empty: in all.
+using Stages = std::vector<std::string>;
 
 /// Which places a boundary condition acts on: everything inside all the given limits.
 struct Where {
@@ -58,6 +62,7 @@ struct Body {
   PointSeeding points;   ///< mpm
   BodyMeshOptions mesh;  ///< fem
   VectorFunction displacement;  ///< rigid: motion [m]
+  VectorFunction velocity;      ///< deformable: of its places at the start [m/s]
 };
 
 /// Prescribed displacement of grid nodes (mpm) or body-mesh nodes (fem) in a region.
@@ -65,6 +70,7 @@ struct NodeBoundary {
   std::string name;
   Where where;
   std::array<std::optional<TimeFunction>, 3> u;  ///< ux, uy, uz: displacement [m]; absent: free
+  Stages stages;
 };
 
 /// Held material points (any place inside a body): removes rigid motion where no boundary does.
@@ -72,6 +78,7 @@ struct Pin {
   std::string name, body;
   Vec3 at;
   std::array<bool, 3> fixed = {false, false, false};  ///< x, y, z
+  Stages stages;
 };
 
 /// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
@@ -80,6 +87,7 @@ struct Pressure {
   std::string name, body;
   Where where;
   TimeFunction value;  ///< positive pushes into the body [Pa]
+  Stages stages;
 };
 
 /// A deformable body's surface against a rigid body.
@@ -92,6 +100,7 @@ struct Contact {
     shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
   double stiffness = 1000.0;  ///< penalty in units of E/h [-]
+  Stages stages;
 };
 
 /// Change of the distance between two material points along the line that joins them at the start.
@@ -117,6 +126,9 @@ enum class Quantity {
   displacement_x,
   displacement_y,
   displacement_z,
+  velocity_x,
+  velocity_y,
+  velocity_z,
   damage,
   plastic_strain
 };
@@ -137,8 +149,11 @@ struct Control {
   double target = 0.0;  ///< [m]
 };
 
+enum class Analysis { quasi_static, dynamic };
+
 struct Steps {
-  double duration = 1.0;  ///< time at the end of the run [s]
+  Analysis analysis = Analysis::quasi_static;
+  double duration = 1.0;  ///< of the stage [s]
   int count = 100;        ///< increments that cover it when none is cut
   bool adaptive = true;
   double min_fraction = 1e-3;     ///< smallest step, as a fraction of duration/count
@@ -159,6 +174,31 @@ struct Solver {
   enum class Linear { automatic, direct, iterative } linear = Linear::automatic;
   double linear_tolerance = 1e-8;  ///< iterative: true residual over right-hand side
   std::string petsc;               ///< PETSc options, e.g. "-ksp_view -snes_monitor"
+};
+
+/// How motion is integrated (docs/theory/dynamics.md).
+struct Dynamics {
+  enum class Integrator { newmark, bossak, hht } integrator = Integrator::newmark;
+  double alpha = -0.1;  ///< of Bossak and HHT: numerical damping of high frequencies [-]
+  enum class Mass { lumped, consistent } mass = Mass::lumped;  ///< in the equation of motion
+  /// How points take their velocity from the grid (mpm).
+  enum class Transfer { flip, pic, blend, apic } transfer = Transfer::flip;
+  double flip_fraction = 0.99;      ///< blend: of flip; the rest is pic [-]
+  double rayleigh_mass = 0.0;       ///< damping in units of the mass [1/s]
+  double rayleigh_stiffness = 0.0;  ///< damping in units of the stiffness [s]
+  double local_damping = 0.0;       ///< share of the unbalanced force that opposes the motion [-]
+  double error_tolerance = 0.0;     ///< error of the time integration that a step should have; 0: any [-]
+};
+
+/// A part of the run with an analysis and a solver of its own; the state is carried over. Times are those of the whole run.
+struct Stage {
+  std::string name;  ///< empty: the only one
+  Steps steps;
+  Solver solver;
+  Dynamics dynamics;
+  bool reset_displacements = false;  ///< points begin the stage with no displacement
+  double begin = 0.0;                ///< [s]
+  double end() const { return begin + steps.duration; }
 };
 
 /// Which load and which displacement make the nominal curve.
@@ -207,12 +247,18 @@ struct Case {
   std::vector<Pressure> pressures;
   std::vector<Contact> contacts;
   Control control;
-  Steps steps;
-  Solver solver;
+  Steps steps;        ///< of a run with a single stage
+  Solver solver;      ///< what stages begin with
+  Dynamics dynamics;  ///< likewise
+  std::vector<Stage> stages;  ///< in their order, one at least
   Output output;
   Checkpoint checkpoint;
   Parallel parallel;
   int dimension() const { return space == Space::solid ? 3 : 2; }
+  double duration() const { return stages.back().end(); }  ///< of the whole run [s]
+  bool is_dynamic() const {
+    return std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.steps.analysis == Analysis::dynamic; });
+  }
   std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
   std::vector<std::string> warnings;
 };

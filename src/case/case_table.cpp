@@ -43,7 +43,7 @@ Table<Case> model_table() {
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");
-  t.vector_function("gravity", &Case::gravity, Unit::acceleration, "a number is reached linearly at the end of the run");
+  t.vector_function("gravity", &Case::gravity, Unit::acceleration, "a number is reached linearly at the end of the first stage, or holds from the start if that is dynamic");
   return t;
 }
 
@@ -175,8 +175,10 @@ Table<Case> make_case_table() {
   t.named("pressure", &Case::pressures, pressure_table());
   t.named("contact", &Case::contacts, contact_table());
   t.table("control", &Case::control, control_table());
-  t.table("steps", &Case::steps, steps_table());
+  t.table("steps", &Case::steps, steps_table()).only_without("stage");
   t.table("solver", &Case::solver, solver_table());
+  t.table("dynamics", &Case::dynamics, dynamics_table());
+  t.custom(stage_info(), read_stages);
   t.table("output", &Case::output, output_table());
   t.table("checkpoint", &Case::checkpoint, checkpoint_table());
   t.table("parallel", &Case::parallel, parallel_table());

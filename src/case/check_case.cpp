@@ -36,6 +36,7 @@ public:
     check_groups();
     check_radii();
     check_integration();
+    check_stages();
     check_plane_stress();
   }
 
@@ -116,6 +117,8 @@ private:
   void check_control() const {
     if (c_.control.kind != Control::Kind::gauge) return;
     const Scope scope = at("control");
+    if (c_.stages.size() > 1 || c_.is_dynamic())
+      scope.error("kind", "may be \"gauge\" only in a run of one quasi-static stage");
     refer(scope, "gauge", c_.control.gauge, "gauge", names_of(c_.output.gauges));
     if (c_.pressures.empty()) scope.error("kind", "needs a load to scale (add a [pressure.NAME])");
   }
@@ -206,9 +209,38 @@ private:
       if (!is_plastic(m.law)) continue;
       const std::string why =
           fmt::format("material \"{}\" has a law of plasticity, which is always integrated implicitly", m.name);
-      if (c_.solver.integration != Integration::implicit) at("solver").explain("integration", why);
-      if (c_.solver.snap_back == Solver::SnapBack::impl_ex) at("solver").explain("snap_back", why);
+      for (const Stage& stage : c_.stages) {
+        const Scope scope = solver_of(stage);
+        if (stage.solver.integration != Integration::implicit) scope.explain("integration", why);
+        if (stage.solver.snap_back == Solver::SnapBack::impl_ex) scope.explain("snap_back", why);
+      }
       return;
+    }
+  }
+
+  Scope solver_of(const Stage& stage) const {
+    if (stage.name.empty()) return at("solver");
+    Node::Entry* solver = at("stage", stage.name).node.find("solver");
+    return {root_.problems, solver->value, "stage." + stage.name + ".solver", solver->value.place};
+  }
+
+  template <class T>
+  void check_names_of_stages(const std::string& kind, const std::vector<T>& items) const {
+    for (const T& item : items)
+      for (const std::string& name : item.stages) refer(at(kind, item.name), "stages", name, "stage", names_of(c_.stages));
+  }
+
+  /// What belongs to the whole run; what acts in some stages only.
+  void check_stages() const {
+    check_names_of_stages("boundary", c_.boundaries);
+    check_names_of_stages("pin", c_.pins);
+    check_names_of_stages("pressure", c_.pressures);
+    check_names_of_stages("contact", c_.contacts);
+    for (const Stage& stage : c_.stages) {
+      if (stage.solver.ghost_penalty != c_.solver.ghost_penalty)
+        solver_of(stage).explain("ghost_penalty", "must be the same in all stages: say it in [solver]");
+      if (stage.solver.petsc != c_.solver.petsc)
+        solver_of(stage).explain("petsc", "must be the same in all stages: say it in [solver]");
     }
   }
 

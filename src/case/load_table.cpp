@@ -60,6 +60,11 @@ const WordsByDimension<Fixed> held_directions = {{{"x", {true, false, false}},  
                                                   {"yz", {false, true, true}},
                                                   {"xyz", {true, true, true}}}};
 
+template <class T>
+void add_stages(Table<T>& t) {
+  t.names("stages", &T::stages, "array of names of stages", "in which it acts; in all without it");
+}
+
 /// The displacement along an axis.
 auto component(std::size_t i) {
   return [i](NodeBoundary & b) -> auto& { return b.u[i]; };
@@ -72,16 +77,17 @@ Table<NodeBoundary> boundary_table() {
       "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`.");
   t.table("where", &NodeBoundary::where, where_table()).required();
   t.function("ux", component(0), Unit::length, false,
-             "displacement along x; a number is reached linearly at the end of the run; free without it");
+             "displacement along x; a number is reached linearly at the end of the first stage; free without it");
   t.function("uy", component(1), Unit::length, false,
-             "displacement along y; a number is reached linearly at the end of the run; free without it");
+             "displacement along y; a number is reached linearly at the end of the first stage; free without it");
   t.function("uz", component(2), Unit::length, false,
-             "displacement along z; a number is reached linearly at the end of the run; free without it");
+             "displacement along z; a number is reached linearly at the end of the first stage; free without it");
   t.only_in_space();
   t.check([](Scope& s, NodeBoundary&) {
     if (s.dimension() == 2) return s.at_least_one({"ux", "uy"});
     s.at_least_one({"ux", "uy", "uz"});
   });
+  add_stages(t);
   return t;
 }
 
@@ -90,6 +96,7 @@ Table<Pin> pin_table() {
   t.string("body", &Pin::body, "name of a deformable body", "whose point").required();
   t.vector("at", &Pin::at, Unit::length, "reference position").required();
   t.choice("fix", &Pin::fixed, held_directions, "held directions").required();
+  add_stages(t);
   return t;
 }
 
@@ -100,8 +107,9 @@ Table<Pressure> pressure_table() {
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
-             "positive pushes into the body; a number is reached linearly at the end of the run")
+             "positive pushes into the body; a number is reached linearly at the end of the first stage, or holds from the start if that is dynamic")
       .required();
+  add_stages(t);
   return t;
 }
 
@@ -119,6 +127,7 @@ Table<Contact> contact_table() {
            "and slide; shared_nodes (mpm): the grid nodes around the rigid body's points move with it");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
            "penalty in units of Young's modulus over cell size");
+  add_stages(t);
   return t;
 }
 

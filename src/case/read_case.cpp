@@ -7,11 +7,29 @@
 namespace berm {
 namespace {
 
-/// Plain numbers of loads and motions are reached at the end of the run.
+/// One after the other; a case without stages has one.
+void line_up_stages(Case& c) {
+  if (c.stages.empty()) {
+    Stage only;
+    only.steps = c.steps;
+    only.solver = c.solver;
+    only.dynamics = c.dynamics;
+    c.stages.push_back(only);
+  }
+  double time = 0.0;
+  for (Stage& s : c.stages) {
+    s.begin = time;
+    time = s.end();
+  }
+}
+
+/// Plain numbers are reached at the end of the first stage and held; loads on a body that can fall from the start.
 void set_ends(Case& c) {
-  const double end = c.steps.duration;
+  const Stage& first = c.stages.front();
+  const double end = first.end(), load_end = first.steps.analysis == Analysis::dynamic ? 0.0 : end;
   for_each_motion(c, [end](TimeFunction& f) { f.set_end(end); });
-  for (Pressure& p : c.pressures) p.value.set_end(end);
+  for (TimeFunction& g : c.gravity.component) g.set_end(load_end);
+  for (Pressure& p : c.pressures) p.value.set_end(load_end);
 }
 
 }  // namespace
@@ -30,6 +48,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   check_dimension(scope);
   problems.throw_if_any(path);
   case_table().read(scope, c);
+  line_up_stages(c);
   check_case(c, root, problems);
   problems.throw_if_any(path);
   set_ends(c);

@@ -45,25 +45,6 @@ Table<Control> control_table() {
   return t;
 }
 
-Table<Steps> steps_table() {
-  Table<Steps> t("How the time of the run is cut into increments.");
-  t.number("duration", &Steps::duration, Unit::time, positive(),
-           "time at the end of the run; what `t` in expressions reaches");
-  t.integer("count", &Steps::count, {1.0}, "increments when none is cut");
-  t.boolean("adaptive", &Steps::adaptive, "steps shrink where they must and grow again where they can");
-  t.number("min_fraction", &Steps::min_fraction, Unit::none, {0.0, 1.0, true, false},
-           "smallest step, as a fraction of duration/count");
-  t.number("max_fraction", &Steps::max_fraction, Unit::none, positive(),
-           "largest step, as a fraction of duration/count");
-  t.number("error_tolerance", &Steps::error_tolerance, Unit::none, positive(),
-           "impl_ex: largest difference aimed at between the damage used and the damage of the step");
-  t.integer("easy_iterations", &Steps::easy_iterations, {1.0}, "implicit: steps grow after fewer iterations than this");
-  t.check([](Scope& s, Steps& steps) {
-    if (steps.max_fraction < steps.min_fraction) s.error("max_fraction", "must not be smaller than \"min_fraction\"");
-  });
-  return t;
-}
-
 Table<Solver> solver_table() {
   using SnapBack = Solver::SnapBack;
   Table<Solver> t("How a step is solved.");
@@ -90,6 +71,41 @@ Table<Solver> solver_table() {
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
   t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
+  return t;
+}
+
+Table<Dynamics> dynamics_table() {
+  using Integrator = Dynamics::Integrator;
+  using Mass = Dynamics::Mass;
+  using Transfer = Dynamics::Transfer;
+  Table<Dynamics> t("How motion is integrated (analysis \"dynamic\").");
+  t.choice("integrator", &Dynamics::integrator,
+           Words<Integrator>{
+               {"newmark", Integrator::newmark}, {"bossak", Integrator::bossak}, {"hht", Integrator::hht}},
+           "newmark: constant mean acceleration, no numerical damping; the others damp high frequencies");
+  t.number("alpha", &Dynamics::alpha, Unit::none, {-1.0 / 3.0, 0.0}, "numerical damping; 0: none");
+  t.only([](const Scope&, const Dynamics& d) { return d.integrator != Integrator::newmark; },
+         "with integrator = \"bossak\" or \"hht\"");
+  t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
+           "mass matrix of the equation of motion");
+  t.choice("transfer", &Dynamics::transfer,
+           Words<Transfer>{{"flip", Transfer::flip},
+                           {"pic", Transfer::pic},
+                           {"blend", Transfer::blend},
+                           {"apic", Transfer::apic}},
+           "how material points take their velocity from the grid (method \"mpm\"): its change (keeps energy), its value "
+           "(damps), a part of both, or its value and gradient (keeps angular momentum)");
+  t.number("flip_fraction", &Dynamics::flip_fraction, Unit::none, {0.0, 1.0}, "share of flip; the rest is pic");
+  t.only([](const Scope&, const Dynamics& d) { return d.transfer == Transfer::blend; }, "with transfer = \"blend\"");
+  t.number("rayleigh_mass", &Dynamics::rayleigh_mass, Unit::none, non_negative(),
+           "damping in units of the mass [1/s]");
+  t.number("rayleigh_stiffness", &Dynamics::rayleigh_stiffness, Unit::time, non_negative(),
+           "damping in units of the stiffness");
+  t.number("local_damping", &Dynamics::local_damping, Unit::none, {0.0, 1.0, false, true},
+           "share of the unbalanced force of every node that opposes its motion, to come to rest (Cundall 1987)");
+  t.number("error_tolerance", &Dynamics::error_tolerance, Unit::none, non_negative(),
+           "error of a step aimed at: that of the mean acceleration over a step, relative to the displacement; 0: the "
+           "effort of Newton's method alone decides on the steps");
   return t;
 }
 
@@ -139,13 +155,15 @@ Table<Probe> probe_table() {
       {"stress_xx", Q::stress_xx},           {"stress_yy", Q::stress_yy}, {"stress_zz", Q::stress_zz},
       {"stress_xy", Q::stress_xy},           {"strain_xx", Q::strain_xx}, {"strain_yy", Q::strain_yy},
       {"strain_zz", Q::strain_zz},           {"strain_xy", Q::strain_xy}, {"displacement_x", Q::displacement_x},
-      {"displacement_y", Q::displacement_y}, {"damage", Q::damage},       {"plastic_strain", Q::plastic_strain}};
+      {"displacement_y", Q::displacement_y}, {"velocity_x", Q::velocity_x}, {"velocity_y", Q::velocity_y},
+      {"damage", Q::damage},                 {"plastic_strain", Q::plastic_strain}};
   WordsByDimension<Q> quantities = {plane, plane};
   for (const auto& word : Words<Q>{{"stress_yz", Q::stress_yz},
                                    {"stress_zx", Q::stress_zx},
                                    {"strain_yz", Q::strain_yz},
                                    {"strain_zx", Q::strain_zx},
-                                   {"displacement_z", Q::displacement_z}})
+                                   {"displacement_z", Q::displacement_z},
+                                   {"velocity_z", Q::velocity_z}})
     quantities.solid.push_back(word);
   Table<Probe> t("A quantity at a material point, over the run.");
   t.vector("at", &Probe::at, Unit::length, "reference position").required();

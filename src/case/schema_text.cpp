@@ -43,7 +43,7 @@ void write_section(const std::string& title, const std::string& doc, const std::
 
 std::string unit_rows() {
   std::string out;
-  for (const Unit unit : {Unit::length, Unit::stress, Unit::density, Unit::energy_per_area, Unit::acceleration,
+  for (const Unit unit : {Unit::length, Unit::stress, Unit::density, Unit::energy_per_area, Unit::velocity, Unit::acceleration,
                           Unit::angle, Unit::force, Unit::stress_per_length}) {
     out += fmt::format("| {} | {} | {} |\n", unit_name(unit), file_unit(unit), unit_list(unit));
   }
@@ -63,8 +63,9 @@ space (`dimension = 3` in `[model]`); below they are `[x, y(, z)]`. In axisymmet
 
 Numbers are in SI units, **angles in degrees**. A string carries its unit: `"35.5 GPa"`, `"20 deg"`, `"5 mm"`.
 
-**Loads and motions** are functions of the time t, which runs from 0 to `duration` in `[steps]`. A number is reached linearly
-at the end. A string that is no number with a unit is an expression, in SI units: `"9.81*min(t/0.5, 1)"`, for pressures of the
+**Loads and motions** are functions of the time t, which runs from 0 through all stages. A number is reached linearly at the end
+of the first stage (of the run, if it has one) and held; gravity and pressures hold from the start if that stage is dynamic. A
+string that is no number with a unit is an expression, in SI units: `"9.81*min(t/0.5, 1)"`, for pressures of the
 place too: `"9810*max(0, 5*t - y)"`. Operators: `+ - * / ^`, comparisons, `&& ||`, `a ? b : c`; functions: `sin cos tan asin acos
 atan sinh cosh tanh exp ln log10 sqrt abs sign rint min max sum avg`; constant: `pi`.
 

@@ -160,10 +160,11 @@ std::optional<TimeFunction> read_function(const Scope& scope, const Node::Entry&
   }
 }
 
-std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit) {
+std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit,
+                                                   bool of_place) {
   VectorFunction vector;
   const bool complete = read_items(scope, entry, [&](const Node::Entry& item, std::size_t i) {
-    const auto function = read_function(scope, item, unit, false);
+    const auto function = read_function(scope, item, unit, of_place);
     if (function) vector.component[i] = *function;
     return function.has_value();
   });
@@ -301,6 +302,18 @@ std::optional<std::string> read_file(const Scope& scope, Node::Entry& entry, boo
     }
   }
   return path;
+}
+
+std::optional<std::vector<std::string>> read_strings(const Scope& scope, const Node::Entry& entry) {
+  const Node::Array* items = entry.value.array();
+  if (!items) {
+    wrong_type(scope, entry, "an array of strings");
+    return std::nullopt;
+  }
+  std::vector<std::string> strings;
+  for (std::size_t i = 0; i < items->size(); ++i)
+    if (const auto text = read_string(scope, item_entry(entry, i, (*items)[i]))) strings.push_back(*text);
+  return strings;
 }
 
 std::optional<std::vector<std::string>> read_files(const Scope& scope, Node::Entry& entry, bool needed) {

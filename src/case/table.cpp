@@ -109,10 +109,10 @@ KeyInfo function_info(const std::string& key, Unit unit, bool of_place, const st
   return make_info(key, type + bracketed(unit), function_schema(unit, of_place), doc);
 }
 
-KeyInfo vector_function_info(const std::string& key, Unit unit, const std::string& doc) {
+KeyInfo vector_function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc) {
   KeyInfo info = array_info(key, "[x, y(, z)]", 3, unit, {}, doc);
-  info.type = "[x, y(, z)], numbers or expressions of t" + bracketed(unit);
-  info.json.set("items", function_schema(unit, false));
+  info.type = std::string("[x, y(, z)], numbers or expressions of t") + (of_place ? ", x, y, z" : "") + bracketed(unit);
+  info.json.set("items", function_schema(unit, of_place));
   return info;
 }
 

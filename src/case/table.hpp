@@ -35,7 +35,7 @@ KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const s
 KeyInfo vector_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
 /// A number or an expression, and one a direction.
 KeyInfo function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc);
-KeyInfo vector_function_info(const std::string& key, Unit unit, const std::string& doc);
+KeyInfo vector_function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc);
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc);
 /// Other words in the plane than in space.
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& plane,
@@ -126,6 +126,16 @@ public:
     });
   }
 
+  /// Names, of `type`. Absent by default.
+  template <class M>
+  Table& names(const std::string& key, M member, const std::string& type, const std::string& doc) {
+    KeyInfo info = plain_info(key, type, "array", doc);
+    info.json.set("items", plain_info("", "", "string", "").json);
+    return custom(info, [=](Scope& s, Node::Entry& e, T& t) {
+      if (const auto v = read_strings(s, e)) std::invoke(member, t) = *v;
+    });
+  }
+
   /// Path of a file. Absent by default.
   template <class M>
   Table& file(const std::string& key, M member, const std::string& doc) {
@@ -169,11 +179,11 @@ public:
 
   /// A VectorFunction: as many functions as the model has dimensions.
   template <class M>
-  Table& vector_function(const std::string& key, M member, Unit unit, const std::string& doc) {
+  Table& vector_function(const std::string& key, M member, Unit unit, const std::string& doc, bool of_place = false) {
     return add(
-        vector_function_info(key, unit, doc),
+        vector_function_info(key, unit, of_place, doc),
         [=](Scope& s, Node::Entry& e, T& t) {
-          if (const auto v = read_vector_function(s, e, unit)) std::invoke(member, t) = *v;
+          if (const auto v = read_vector_function(s, e, unit, of_place)) std::invoke(member, t) = *v;
         },
         [=](T& t, int dimension) { return function_node(std::invoke(member, t), unit, dimension); });
   }

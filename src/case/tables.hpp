@@ -30,8 +30,15 @@ Table<Contact> contact_table();
 
 // run_table.cpp
 Table<Control> control_table();
-Table<Steps> steps_table();
 Table<Solver> solver_table();
+Table<Dynamics> dynamics_table();
+// stage_table.cpp
+Table<Steps> steps_table();
+KeyInfo stage_info();
+/// Reads [stage.NAME] of all names, in the order of the file; solver and dynamics of the case must have been read.
+void read_stages(Scope& root, Node::Entry& entry, Case& c);
+
+// run_table.cpp
 Table<Output> output_table();
 Table<Checkpoint> checkpoint_table();
 Table<Parallel> parallel_table();

@@ -43,6 +43,10 @@ constexpr std::array names = {
     Name{Unit::energy_per_area, "kN/m", 1e3},
     Name{Unit::energy_per_area, "kJ/m2", 1e3},
     Name{Unit::energy_per_area, "N/mm", 1e3},
+    Name{Unit::velocity, "m/s", 1.0},
+    Name{Unit::velocity, "cm/s", 1e-2},
+    Name{Unit::velocity, "mm/s", 1e-3},
+    Name{Unit::velocity, "km/h", 1.0 / 3.6},
     Name{Unit::acceleration, "m/s2", 1.0},
     Name{Unit::acceleration, "cm/s2", 1e-2},
     Name{Unit::acceleration, "mm/s2", 1e-3},
@@ -112,6 +116,8 @@ std::string_view unit_name(Unit unit) {
       return "density";
     case Unit::energy_per_area:
       return "energy per area";
+    case Unit::velocity:
+      return "velocity";
     case Unit::acceleration:
       return "acceleration";
     case Unit::angle:

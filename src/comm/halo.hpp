@@ -28,11 +28,16 @@ public:
   /// in every run. char: or. The ghosts keep their values. Collective.
   template <class T>
   void add_to_owners(T* data, int stride) const {
+    combine_at_owners(data, stride, [](T& sum, T value) { add(sum, value); });
+  }
+  /// The same with combine(T& owners, T other) in place of a sum.
+  template <class T, class Combine>
+  void combine_at_owners(T* data, int stride, Combine combine) const {
     static_assert(std::is_arithmetic_v<T>);
     T* out = pack(ghosts_, data, stride, send_);
     T* in = swap<T>(ghosts_, out, shared_, stride);
     for (const int node : shared_.nodes)
-      for (int i = 0; i < stride; ++i) add(data[std::size_t(node) * stride + i], *in++);
+      for (int i = 0; i < stride; ++i) combine(data[std::size_t(node) * stride + i], *in++);
   }
 
   /// The owners' values to all ghosts. Collective.

@@ -158,7 +158,7 @@ void FemDiscretisation::number_nodes() {
     local[halo.ids[i]] = i;
     nodes.push_back(mesh_.nodes[halo.ids[i]]);
   }
-  u_.assign(nodes.size(), Vec3::Zero());
+  for (const auto list : state_) (this->*list).assign(nodes.size(), Vec3::Zero());
   blocks = Blocks{};
   std::array<int, fem::most_nodes> list;
   for (int e : elements_) {
@@ -229,31 +229,41 @@ void FemDiscretisation::restore_points(const std::vector<std::vector<double>>& r
   material.replace(mine);
 }
 
-std::vector<Vec3> FemDiscretisation::node_state() const { return {u_.begin(), u_.begin() + halo.n_owned}; }
+std::vector<double> FemDiscretisation::node_state() const {
+  std::vector<double> out;
+  for (int i = 0; i < halo.n_owned; ++i)
+    for (const auto list : state_) out.insert(out.end(), (this->*list)[i].data(), (this->*list)[i].data() + 3);
+  return out;
+}
 
-void FemDiscretisation::restore_nodes(const std::vector<std::int64_t>& ids, const std::vector<Vec3>& displacements) {
+void FemDiscretisation::restore_nodes(const std::vector<std::int64_t>& ids, const std::vector<double>& state) {
   share_out();
   std::vector<std::vector<double>> to(comm_.size());
   comm_.agree([&] {
     for (std::size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] < 0 || ids[i] >= mesh_.n_nodes()) throw InputError(other_mesh);
-      const Vec3& u = displacements[i];
       auto& list = to[partition_.owner(mesh_.nodes[ids[i]])];
-      list.insert(list.end(), {static_cast<double>(ids[i]), u.x(), u.y(), u.z()});
+      list.push_back(static_cast<double>(ids[i]));
+      list.insert(list.end(), state.begin() + i * node_width, state.begin() + (i + 1) * node_width);
     }
   });
   const auto from = comm_.exchange(to);
   comm_.agree([&] {
     int missing = halo.n_owned;
     for (const auto& rows : from)
-      for (std::size_t at = 0; at < rows.size(); at += 4, --missing) {
+      for (std::size_t at = 0; at < rows.size(); at += 1 + node_width, --missing) {
         const int node = halo.find(static_cast<std::int64_t>(rows[at]));
         if (node < 0) throw InputError(other_mesh);
-        u_[node] = Vec3(rows[at + 1], rows[at + 2], rows[at + 3]);
+        const double* row = rows.data() + at + 1;
+        for (const auto list : state_) {
+          (this->*list)[node] = Vec3(row[0], row[1], row[2]);
+          row += 3;
+        }
       }
     if (missing != 0) throw InputError(other_mesh);
   });
-  if (comm_.size() > 1) halo.copy_to_ghosts(reinterpret_cast<double*>(u_.data()), 3);
+  if (comm_.size() == 1) return;
+  for (const auto list : state_) halo.copy_to_ghosts(reinterpret_cast<double*>((this->*list).data()), 3);
 }
 
 // ---- anchors

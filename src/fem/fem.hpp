@@ -38,10 +38,18 @@ public:
   void add_body_force(const Vec3& acceleration, NodalVector& f) const override;
   void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) override;
 
+  void start_motion(const std::function<Vec3(int body, const Vec3& X)>& velocity) override;
+  void add_motion(std::vector<double>& mass, NodalVector& momentum, NodalVector& inertia) const override;
+  void add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const override;
+  void commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1, const Dynamics& how) override;
+  double kinetic_energy(const Dynamics& how) const override;
+  void reset_displacements() override { u_before_ = u_; }
+
   /// Numbers of the Gauss points: body by body, element by element, point by point of the rule.
   const std::vector<std::int64_t>& point_ids() const override { return id_; }
   std::vector<Vec3> point_positions() const override;
   std::vector<Vec3> point_displacements() const override;
+  std::vector<Vec3> point_velocities() const override { return interpolate(v_); }
   std::vector<Vec3> point_origins() const override;
   std::vector<Vec3> points_inside(const Region&, const std::string&) const override { return {}; }
   double cell_size() const override { return cell_size_; }
@@ -51,9 +59,10 @@ public:
   std::vector<double> point_rows(int slice) const override;
   /// Throws InputError if the rows are not those of all Gauss points.
   void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;
-  std::vector<Vec3> node_state() const override;
+  /// Displacement, velocity, acceleration, displacement when displacements were last reset.
+  std::vector<double> node_state() const override;
   /// Nodes may come from any process. Throws InputError if one is missing.
-  void restore_nodes(const std::vector<std::int64_t>& ids, const std::vector<Vec3>& displacements) override;
+  void restore_nodes(const std::vector<std::int64_t>& ids, const std::vector<double>& state) override;
 
   /// Of the local nodes, since the start.
   const NodalVector& displacement() const { return u_; }
@@ -98,6 +107,7 @@ private:
   template <int dimension>
   Eigen::Matrix<double, dimension, dimension> push(int p) const;
   double hoop_push(int p) const;
+  double element_mass(int k, double* M) const;
   template <class Type>
   void element_tangent(int k, const LawSettings& settings, double* K) const;
   /// Values at the Gauss points of what local nodes have.
@@ -121,7 +131,10 @@ private:
   std::vector<Mat3> inverse_;    ///< d(xi)/dX at the Gauss points
   std::vector<double> radius_;   ///< around an axis: of the Gauss points at reference
   std::vector<double> density_;  ///< of the elements
-  NodalVector u_;                ///< displacement of the local nodes
+  NodalVector u_, v_, a_;        ///< displacement, velocity and acceleration of the local nodes
+  NodalVector u_before_;         ///< displacement that is not counted
+  static constexpr std::array state_ = {&FemDiscretisation::u_, &FemDiscretisation::v_, &FemDiscretisation::a_,
+                                        &FemDiscretisation::u_before_};
 };
 
 }  // namespace berm

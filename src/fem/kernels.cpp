@@ -202,11 +202,15 @@ std::vector<Vec3> FemDiscretisation::interpolate(const std::vector<Vec3>& nodal)
 
 std::vector<Vec3> FemDiscretisation::point_origins() const { return interpolate(nodes); }
 
-std::vector<Vec3> FemDiscretisation::point_displacements() const { return interpolate(u_); }
+std::vector<Vec3> FemDiscretisation::point_displacements() const {
+  NodalVector u = u_;
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] -= u_before_[i];
+  return interpolate(u);
+}
 
 std::vector<Vec3> FemDiscretisation::point_positions() const {
   std::vector<Vec3> x = point_origins();
-  const std::vector<Vec3> u = point_displacements();
+  const std::vector<Vec3> u = interpolate(u_);
   for (std::size_t p = 0; p < x.size(); ++p) x[p] += u[p];
   return x;
 }

@@ -139,6 +139,15 @@ void BlockAssembler::add(int block, const double* dense) {
   }
 }
 
+void BlockAssembler::add_diagonal(int unknown, double value) {
+  if (!(*fixed_)[unknown]) matrix_.value[diagonal_[unknown]] += value;
+}
+
+void BlockAssembler::scale(double factor) {
+  for (double& value : matrix_.value) value *= factor;
+  for (double& value : prescribed_force_) value *= factor;
+}
+
 void BlockAssembler::set_border(const std::vector<double>& column, const std::vector<double>& row) {
   for (std::size_t k = 0; k < border_column_.size(); ++k) matrix_.value[border_column_[k]] = column[k];
   for (std::size_t k = 0; k < border_row_.size(); ++k) matrix_.value[border_row_[k]] = row[k];

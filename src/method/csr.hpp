@@ -49,6 +49,10 @@ public:
             const std::vector<double>* increment = nullptr);
   /// dense: row-major block, unknowns ordered node by node.
   void add(int block, const double* dense);
+  /// Adds to the diagonal of an unknown; nothing if it is fixed.
+  void add_diagonal(int unknown, double value);
+  /// Multiplies everything added so far, prescribed_force() too.
+  void scale(double factor);
   /// Last column / last row of a bordered system, in the order of Border's lists.
   void set_border(const std::vector<double>& column, const std::vector<double>& row);
   CsrMatrix& matrix() { return matrix_; }

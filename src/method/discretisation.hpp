@@ -6,9 +6,11 @@
 /// then ghosts, which it touches but another owns (`halo`). Kernels add what this process has to say; the driver adds
 /// ghosts to owners.
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "case/case.hpp"
 #include "comm/halo.hpp"
 #include "mesh/region.hpp"
 #include "method/csr.hpp"
@@ -30,6 +32,15 @@ struct Anchor {
   Vec3 inward = Vec3::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
 };
 
+/// A place of the grid where two fields have a node each: there their bodies may touch.   [contact (1) - (3)]
+struct Interface {
+  int field_a = 0, field_b = 0;  ///< a < b
+  int a = 0, b = 0;              ///< local nodes, both owned by this process
+  int block = -1;
+  Vec3 normal = Vec3::Zero();  ///< of the step, out of a; zero if there is none
+  double gap = 0.0;            ///< of the step, along the normal; not negative [m]
+};
+
 /// Nodal vectors: one Vec3 a local node; z = 0 in the plane.
 using NodalVector = std::vector<Vec3>;
 
@@ -41,6 +52,13 @@ public:
   /// ids of the halo are its node numbers.
   virtual const Mesh& mesh() const = 0;
   int dimension() const { return mesh().dimension(); }
+  /// Fields that a node of the mesh may belong to; ids of the halo are node numbers plus field times number of nodes.
+  virtual int n_fields() const { return 1; }
+  /// Where fields meet in this step: those that this process owns.
+  virtual const std::vector<Interface>& interfaces() const {
+    static const std::vector<Interface> none;
+    return none;
+  }
   const Comm& comm() const { return comm_; }
   int n_nodes() const { return halo.size(); }
   double most_loaded() const { return most_loaded_; }
@@ -65,13 +83,31 @@ public:
   virtual void add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const = 0;
   /// Weight of the material under a uniform acceleration, added to f.
   virtual void add_body_force(const Vec3& acceleration, NodalVector& f) const = 0;
+
+  // Motion: what dynamic analyses ask for.   [dynamics]
+  /// Velocities of all places at the start of the motion; accelerations are zero.
+  virtual void start_motion(const std::function<Vec3(int body, const Vec3& X)>& velocity) = 0;
+  /// Lumped mass, momentum and mass times acceleration of the material, added to the nodes.   [(1), (2)]
+  virtual void add_motion(std::vector<double>& mass, NodalVector& momentum, NodalVector& inertia) const = 0;
+  /// Consistent mass times a, added to f, and `factor` times the mass, added to the matrix, if wanted.
+  virtual void add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const = 0;
+  /// The material takes its motion from the nodes: v0, v1 at the beginning and the end of the step, a1 at the end.
+  /// Before commit().
+  virtual void commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1,
+                             const Dynamics& how) = 0;
+  /// Of the material of this process [J].
+  virtual double kinetic_energy(const Dynamics& how) const = 0;
+  /// Displacements of points count from the present state.
+  virtual void reset_displacements() = 0;
+
   /// The trial state becomes the state; points and anchors move.
   virtual void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) = 0;
 
-  /// For output: ids, positions and displacements of this process's integration points.
+  /// For output: ids, positions, displacements and velocities of this process's integration points.
   virtual const std::vector<std::int64_t>& point_ids() const = 0;
   virtual std::vector<Vec3> point_positions() const = 0;
   virtual std::vector<Vec3> point_displacements() const = 0;
+  virtual std::vector<Vec3> point_velocities() const = 0;
   /// Where they were at the start.
   virtual std::vector<Vec3> point_origins() const = 0;
   /// Places that stand for a rigid shape: evenly spread points in the cells of the grid; empty for FEM.
@@ -84,9 +120,10 @@ public:
   virtual int row_width(int slice) const = 0;
   virtual std::vector<double> point_rows(int slice) const = 0;
   virtual void restore_points(const std::vector<std::vector<double>>& rows_of_slice) = 0;
-  /// What the nodes keep from step to step (fem: displacements), one Vec3 for each node that this process owns.
-  virtual std::vector<Vec3> node_state() const { return {}; }
-  virtual void restore_nodes(const std::vector<std::int64_t>&, const std::vector<Vec3>&) {}
+  /// What the nodes that this process owns keep from step to step (fem): node_width numbers each.
+  static constexpr int node_width = 12;
+  virtual std::vector<double> node_state() const { return {}; }
+  virtual void restore_nodes(const std::vector<std::int64_t>&, const std::vector<double>&) {}
 
   Halo halo;                ///< the local nodes of this step
   std::vector<Vec3> nodes;  ///< positions of the local nodes at reference

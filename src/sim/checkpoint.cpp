@@ -124,21 +124,24 @@ void save_checkpoint(const std::string& path, const World& world, const QuasiSta
   file.write_number("slices", static_cast<double>(d.material.slices.size()));
 
   file.write_number("time", world.time);
+  file.write_number("stage", static_cast<double>(world.stage));
   file.write_number("load_factor", world.load_factor);
   file.write_number("step_size", control.size());
   file.write_number("bridge", control.bridge);
   const Balance& balance = step.balance();
   file.write_number("external_work", balance.external_work);
+  file.write_number("damped", balance.damped);
+  file.write_number("kinetic", balance.kinetic);
+  file.write_number("kinetic_at_start", balance.kinetic_at_start);
   file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
   file.write("forces/boundary", from_root(comm, flat(balance.reactions.boundary)), 3);
   file.write("forces/pressure", from_root(comm, flat(balance.pressure_force)), 3);
 
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)
     file.write(points_name(s), std::span<const double>(d.point_rows(static_cast<int>(s))), d.row_width(static_cast<int>(s)));
-  const std::vector<Vec3> at_nodes = d.node_state();
-  const std::vector<double> values = flat(at_nodes);
-  file.write("nodes/id", std::span<const std::int64_t>(d.halo.ids.data(), at_nodes.size()));
-  file.write("nodes/state", std::span<const double>(values), 3);
+  const std::vector<double> at_nodes = d.node_state();
+  file.write("nodes/id", std::span<const std::int64_t>(d.halo.ids.data(), at_nodes.size() / Discretisation::node_width));
+  file.write("nodes/state", std::span<const double>(at_nodes), Discretisation::node_width);
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind) {
     const std::vector<double> rows = world.boundary->rows(kind);
     file.write(fmt::format("anchors/{}", kind), std::span<const double>(rows), BoundaryConditions::row_width);
@@ -155,11 +158,20 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   check_case(file, world, path);
 
   world.time = file.read_number("time");
+  world.stage = static_cast<std::size_t>(file.read_number("stage"));
+  if (world.stage >= world.spec.stages.size())
+    throw InputError(fmt::format("{}: was written in stage {} of a run; this case has {}", path, world.stage + 1,
+                                 world.spec.stages.size()));
+  step.set_up_stage();
+  control = StepControl(world.present_stage());
   world.load_factor = file.read_number("load_factor");
   control.restore(file.read_number("step_size"));
   control.bridge = static_cast<int>(file.read_number("bridge"));
   Balance balance;
   balance.external_work = file.read_number("external_work");
+  balance.damped = file.read_number("damped");
+  balance.kinetic = file.read_number("kinetic");
+  balance.kinetic_at_start = file.read_number("kinetic_at_start");
   balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
   balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));
   balance.pressure_force = vectors(read_all(file, "forces/pressure", 3));
@@ -170,7 +182,7 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
     rows.push_back(read_share<double>(file, comm, points_name(s), d.row_width(static_cast<int>(s))));
   d.restore_points(rows);
   d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
-                  vectors(read_share<double>(file, comm, "nodes/state", 3)));
+                  read_share<double>(file, comm, "nodes/state", Discretisation::node_width));
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
     world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width));
   world.boundary->restore_rigid(world.time);

@@ -20,7 +20,7 @@ bool all_elastic(const MaterialState& m) {
 }  // namespace
 
 QuasiStaticStep::QuasiStaticStep(World& world)
-    : world_(world), dimension_(world.spec.dimension()), newton_(world.spec.solver, world.comm) {
+    : world_(world), dimension_(world.spec.dimension()) {
   const Case& c = world.spec;
   settings_.space = c.space;
   settings_.kinematics = c.kinematics;
@@ -32,6 +32,8 @@ QuasiStaticStep::QuasiStaticStep(World& world)
   balance_.reactions.rigid.assign(c.bodies.size(), Vec3::Zero());
   balance_.reactions.boundary.assign(c.boundaries.size(), Vec3::Zero());
   balance_.pressure_force.assign(c.pressures.size(), Vec3::Zero());
+  balance_.kinetic = balance_.kinetic_at_start = world.kinetic_energy();
+  set_up_stage();
 }
 
 /// Over the nodes of all processes; a and b complete at the owned ones.
@@ -54,8 +56,9 @@ void QuasiStaticStep::prepare(Integration integration) {
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
     if (!world_.step_begun) world_.begin_step();
-    if (gauge_ >= 0) pressure_ = pressure_at(world_.spec.steps.duration);
+    if (gauge_ >= 0) pressure_ = pressure_at(world_.spec.duration());
     prepared_ = true;
+    motion_ready_ = false;
   }
   if (connectivity_ != d.connectivity) last_dt_ = 0.0;
   lay_out(symmetric);
@@ -111,7 +114,7 @@ void QuasiStaticStep::lay_out(bool symmetric) {
     for (int i = 0; i < dimension_; ++i) layout.global.push_back(dimension_ * node + i);
   if (border_.active) layout.global.push_back(layout.n_global - 1);
   layout.places.assign(d.nodes.begin(), d.nodes.begin() + d.halo.n_owned);
-  newton_.set_matrix(assembler_.matrix(), layout, symmetric);
+  newton_->set_matrix(assembler_.matrix(), layout, symmetric);
 }
 
 /// Unknowns to the nodal increment of the step and the load factor.
@@ -122,7 +125,7 @@ void QuasiStaticStep::scatter(const std::vector<double>& x) {
     du_[k / dimension_][k % dimension_] = fixed[k] ? prescribed_[k] : x[k];
   d.halo.copy_to_ghosts(du_.data()->data(), 3);
   load_factor_ = gauge_ >= 0 ? world_.comm.broadcast(owns_border() ? x.back() : 0.0, world_.comm.size() - 1)
-                             : t1_ / world_.spec.steps.duration;
+                             : t1_ / world_.spec.duration();
 }
 
 double QuasiStaticStep::gauge_value() const {
@@ -131,24 +134,45 @@ double QuasiStaticStep::gauge_value() const {
   return world_.boundary->gauges()[gauge_].elongation() + world_.comm.sum(value);
 }
 
-/// force_ = internal + stabilisation + contact and pins - pressure (gauge: times load factor) - weight, complete at
-/// owned nodes. [formulation (1), (14)]
+/// Of the trial state, complete at owned nodes.
+NodalVector QuasiStaticStep::internal_force() const {
+  const Discretisation& d = *world_.discretisation;
+  NodalVector f(d.n_nodes(), Vec3::Zero());
+  d.add_internal_force(f);
+  d.halo.add_to_owners(f.data()->data(), 3);
+  return f;
+}
+
+/// force_ = internal + stabilisation + contact and pins - pressure (gauge: times load factor) - weight, and inertia and
+/// damping, complete at owned nodes. [formulation (1), (14); dynamics (11)]
 void QuasiStaticStep::sum_forces() {
   const Stopwatch watch(times_.assembly);
   const Discretisation& d = *world_.discretisation;
-  force_.assign(d.n_nodes(), Vec3::Zero());
-  d.add_internal_force(force_);
-  d.halo.add_to_owners(force_.data()->data(), 3);
-  const double scale = norm(force_);
+  force_ = internal_force();
   external_ = weight_;
   const double factor = gauge_ >= 0 ? load_factor_ : 1.0;
   for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += factor * pressure_[i];
-  force_scale_ = std::max(scale, norm(external_));
+  force_scale_ = std::max(norm(force_), norm(external_));
   NodalVector resisting(d.n_nodes(), Vec3::Zero());
+  if (motion_) {
+    force_scale_ = std::max(force_scale_, inertia_scale_);
+    weigh_forces();
+    motion_->add_forces(d, du_, resisting, nullptr);
+  }
   d.add_stabilisation(du_, resisting, nullptr);
   world_.boundary->add_forces(du_, t0_, t1_, resisting, nullptr);
   d.halo.add_to_owners(resisting.data()->data(), 3);
   for (std::size_t i = 0; i < force_.size(); ++i) force_[i] += resisting[i] - external_[i];
+}
+
+/// Internal and external forces at the two ends of the step, as the equation of motion weighs them.   [dynamics (11)]
+void QuasiStaticStep::weigh_forces() {
+  const double fresh = motion_->new_internal_weight(), old = motion_->old_internal_weight();
+  if (fresh == 1.0 && old == 0.0) return;
+  for (std::size_t i = 0; i < force_.size(); ++i) {
+    force_[i] = fresh * force_[i] + old * old_internal_[i];
+    external_[i] = motion_->new_weight() * external_[i] + motion_->old_weight() * old_external_[i];
+  }
 }
 
 bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>& r) {
@@ -170,7 +194,7 @@ bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>
     if (!fixed[k]) r[k] = force_[k / dimension_][k % dimension_];
   if (gauge_ >= 0) {
     const double value =
-        gauge_scale_ * (gauge_value() - world_.spec.control.target * (t1_ / world_.spec.steps.duration));
+        gauge_scale_ * (gauge_value() - world_.spec.control.target * (t1_ / world_.spec.duration()));
     if (owns_border()) r.back() = value;
   }
   cached_x_ = x;
@@ -186,6 +210,10 @@ void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
   NodalVector unused(d.n_nodes(), Vec3::Zero());
   assembler_.zero(fixed, d.halo.n_owned, gauge_scale_, prescribed);
   d.add_tangent(settings_, assembler_);
+  if (motion_) {
+    assembler_.scale(motion_->new_internal_weight());
+    motion_->add_forces(d, du_, unused, &assembler_);
+  }
   d.add_stabilisation(du_, unused, &assembler_);
   world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
   if (gauge_ < 0) return;
@@ -215,20 +243,84 @@ bool QuasiStaticStep::linear_predictor(std::vector<double>& x) {
     const bool border = owns_border() && k + 1 == r.size();
     r[k] = -r[k] - (border ? 0.0 : from_prescribed[k]);
   }
-  if (!newton_.solve_linear(r, dx)) return false;
+  if (!newton_->solve_linear(r, dx)) return false;
   for (std::size_t k = 0; k < x.size(); ++k) x[k] += dx[k];
   return true;
 }
 
-std::vector<double> QuasiStaticStep::last_increment(double factor) const {
+std::vector<double> QuasiStaticStep::unknowns_of(const NodalVector& du) const {
   std::vector<double> x(n_mine(), 0.0);
-  for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
-    x[k] = last_du_[k / dimension_][k % dimension_] * factor;
+  for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k) x[k] = du[k / dimension_][k % dimension_];
   return x;
 }
 
+/// Mean velocity of the prescribed unknowns.
+std::vector<double> QuasiStaticStep::velocity_of_prescribed(double t0, double t1) const {
+  std::vector<double> v = world_.boundary->prescribed_increment(t0, t1);
+  for (double& value : v) value /= t1 - t0;
+  return v;
+}
+
+/// The motion of the nodes at t_n and of the prescribed ones over the step. Prescribed velocities are differences over a
+/// small part of the step at its ends.   [dynamics (6)]
+void QuasiStaticStep::begin_motion(double dt) {
+  const Discretisation& d = *world_.discretisation;
+  const Stage& stage = world_.present_stage();
+  if (!motion_ready_) {
+    motion_->gather(d);
+    const double old = motion_->old_weight() + stage.dynamics.rayleigh_stiffness;
+    const bool begins = t0_ <= stage.begin;
+    if (old != 0.0 || begins) forces_at_start();
+    if (begins) start_acceleration();
+    motion_ready_ = true;
+  }
+  const double part = 1e-4 * dt;
+  motion_->prescribe(dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
+                     velocity_of_prescribed(t1_ - part, t1_));
+  NodalVector inertia = motion_->inertia();
+  d.halo.add_to_owners(inertia.data()->data(), 3);
+  inertia_scale_ = norm(inertia);
+}
+
+/// Internal and external forces of the state at t_n, on the nodes of the step.
+void QuasiStaticStep::forces_at_start() {
+  Discretisation& d = *world_.discretisation;
+  du_.assign(d.n_nodes(), Vec3::Zero());
+  d.evaluate(du_, settings_);
+  old_internal_ = internal_force();
+  old_external_ = weight_at(t0_);
+  const NodalVector pressure = pressure_at(t0_);
+  for (std::size_t i = 0; i < pressure.size(); ++i) old_external_[i] += pressure[i];
+}
+
+/// The acceleration with which a motion begins: that of the forces.   [dynamics (10)]
+void QuasiStaticStep::start_acceleration() {
+  const Discretisation& d = *world_.discretisation;
+  NodalVector f(d.n_nodes(), Vec3::Zero());
+  world_.boundary->add_forces(du_, t0_, t0_, f, nullptr);
+  d.halo.add_to_owners(f.data()->data(), 3);
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
+  d.halo.copy_to_ghosts(f.data()->data(), 3);
+  motion_->set_acceleration(f);
+}
+
+/// Unknowns to start Newton's method from. False if the matrix of a linear guess could not be factorised.
+bool QuasiStaticStep::first_guess(std::vector<double>& x, int& iterations, Integration integration) {
+  if (motion_) {
+    x = unknowns_of(motion_->guess());
+    return true;
+  }
+  if (integration == Integration::implicit && last_dt_ > 0.0 && gauge_ < 0) {
+    x = unknowns_of(last_du_);
+    for (double& value : x) value *= settings_.dt / last_dt_;
+    return true;
+  }
+  ++iterations;
+  return linear_predictor(x);
+}
+
 NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
-  return newton_.solve(
+  return newton_->solve(
       x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out); },
       [this](const auto& at) {
         std::vector<double> unused;
@@ -252,19 +344,15 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   if (gauge_ < 0) pressure_ = pressure_at(t1_);
   weight_ = weight_at(t1_);
   prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);
+  if (motion_) begin_motion(dt);
   du_.assign(world_.discretisation->n_nodes(), Vec3::Zero());
   cached_r_.clear();
 
   StepResult result;
   std::vector<double> x, r;
-  if (integration == Integration::implicit && last_dt_ > 0.0 && gauge_ < 0) {
-    x = last_increment(dt / last_dt_);
-  } else {
-    ++result.iterations;
-    if (!linear_predictor(x)) {
-      result.reason = "the matrix of the first guess could not be factorised";
-      return result;
-    }
+  if (!first_guess(x, result.iterations, integration)) {
+    result.reason = "the matrix of the first guess could not be factorised";
+    return result;
   }
   // Prescribed unknowns have their values in the vector too, so that Newton's corrections of them are zero.
   const std::vector<char>& fixed = world_.boundary->fixed();
@@ -275,7 +363,7 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
     result.reason = "the first guess lies outside of what the law is defined for";
     return result;
   }
-  const Solver& s = world_.spec.solver;
+  const Solver& s = world_.present_stage().solver;
   const double relative =
       integration == Integration::implicit ? s.relative_tolerance : std::max(s.relative_tolerance, impl_ex_tolerance);
   const double scale = force_scale_;
@@ -300,6 +388,7 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   }
   residual(x, r);  // the trial state of the solution, if a rejected line search came after it
   result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
+  if (motion_) result.time_error = motion_->error(*world_.discretisation, du_);
   return result;
 }
 
@@ -322,7 +411,7 @@ void QuasiStaticStep::accept() {
   balance_.reactions = now;
   if (gauge_ >= 0) {
     work += 0.5 * (load_factor_ + world_.load_factor) * dot(pressure_, du_);
-    balance_.pressure_force = bc.pressure_forces(c.steps.duration);
+    balance_.pressure_force = bc.pressure_forces(c.duration());
     for (Vec3& force : balance_.pressure_force) force *= load_factor_;
   } else {
     work += 0.5 * (dot(pressure_at(t0_), du_) + dot(pressure_, du_));
@@ -330,6 +419,7 @@ void QuasiStaticStep::accept() {
   }
   if (!c.gravity.is_zero()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
+  if (motion_) accept_motion();
 
   bc.commit(du_, t0_, t1_);
   d.commit(du_, bc.anchors());
@@ -341,9 +431,63 @@ void QuasiStaticStep::accept() {
   prepared_ = world_.step_begun = false;
 }
 
+/// Velocities of the material, and what damping has taken of its energy.
+void QuasiStaticStep::accept_motion() {
+  Discretisation& d = *world_.discretisation;
+  const Dynamics& how = world_.present_stage().dynamics;
+  NodalVector damping = motion_->damping(d, du_);
+  d.halo.add_to_owners(damping.data()->data(), 3);
+  balance_.damped += dot(damping, du_);
+  if (how.rayleigh_stiffness > 0.0) {
+    const NodalVector internal = internal_force();
+    balance_.damped += how.rayleigh_stiffness / settings_.dt * (dot(internal, du_) - dot(old_internal_, du_));
+  }
+  d.commit_motion(motion_->velocity(), motion_->velocity(du_), motion_->acceleration(du_), how);
+  balance_.kinetic = world_.kinetic_energy();
+}
+
+/// What moves goes on to move unless the stage is quasi-static.
+void QuasiStaticStep::begin_stage() {
+  const Stage& stage = world_.present_stage();
+  Discretisation& d = *world_.discretisation;
+  set_up_stage();
+  if (stage.steps.analysis == Analysis::quasi_static && balance_.kinetic > 0.0) {
+    d.start_motion([](int, const Vec3&) { return Vec3(Vec3::Zero()); });
+    balance_.damped += balance_.kinetic;
+    balance_.kinetic = 0.0;
+  }
+  if (stage.reset_displacements) d.reset_displacements();
+}
+
+/// Solver and integrator of the world's stage.
+void QuasiStaticStep::set_up_stage() {
+  const Stage& stage = world_.present_stage();
+  if (newton_) {
+    times_.linear += newton_->linear_seconds();
+    const LinearCount n = newton_->count();
+    linear_count_ = {linear_count_.solves + n.solves, linear_count_.iterations + n.iterations,
+                     linear_count_.fallbacks + n.fallbacks};
+  }
+  newton_ = std::make_unique<NewtonSolver>(stage.solver, world_.comm);
+  connectivity_ = -1;  // it has no matrix yet
+  if (world_.boundary->stage() != stage.name) {  // other unknowns may be prescribed
+    world_.boundary->begin_stage(stage.name);
+    prepared_ = world_.step_begun = false;
+  }
+  last_dt_ = 0.0;
+  motion_.reset();
+  motion_ready_ = false;
+  if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics);
+}
+
+LinearCount QuasiStaticStep::linear_count() const {
+  const LinearCount n = newton_->count(), before = linear_count_;
+  return {before.solves + n.solves, before.iterations + n.iterations, before.fallbacks + n.fallbacks};
+}
+
 StepTimes QuasiStaticStep::times() const {
   StepTimes t = times_;
-  t.linear = newton_.linear_seconds();
+  t.linear += newton_->linear_seconds();
   return t;
 }
 

@@ -1,9 +1,12 @@
 #pragma once
-/// One quasi-static step: equilibrium at t + dt by Newton, implicit or IMPL-EX. Nothing is committed before `accept`.
+/// One step: equilibrium or motion at t + dt by Newton, implicit or IMPL-EX. Nothing is committed before `accept`.
 
+#include <optional>
+#include <memory>
 #include <vector>
 
 #include "la/newton.hpp"
+#include "sim/newmark.hpp"
 #include "sim/world.hpp"
 
 namespace berm {
@@ -13,6 +16,7 @@ struct StepResult {
   int iterations = 0;                ///< linear solves
   double residual = 0.0;             ///< norm over the norm of the forces [-]
   double extrapolation_error = 0.0;  ///< impl_ex: largest |damage used - damage| [-]
+  double time_error = 0.0;           ///< dynamic: of the time integration [-]
   std::vector<double> residuals;     ///< every norm, relative
   std::string reason;
 };
@@ -22,6 +26,8 @@ struct Balance {
   Reactions reactions;
   std::vector<Vec3> pressure_force;  ///< by case pressure [N]
   double external_work = 0.0;        ///< since the start [J]
+  double damped = 0.0;               ///< taken by damping forces since the start [J]
+  double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
 };
 
 /// Seconds spent since the start.
@@ -37,14 +43,18 @@ public:
   StepResult attempt(double dt, Integration integration);
   /// Commits the last successful attempt.
   void accept();
+  /// The world has come to its next stage. Collective.
+  void begin_stage();
+  /// After a restart: only what the stage itself says.
+  void set_up_stage();
 
   const Balance& balance() const { return balance_; }
   /// After a restart: the balance of the saved state.
   void restore(const Balance& balance) { balance_ = balance; }
   StepTimes times() const;
-  LinearCount linear_count() const { return newton_.count(); }
+  LinearCount linear_count() const;
   /// How linear systems are solved and why; empty before the first step.
-  const std::string& solver_choice() const { return newton_.choice(); }
+  const std::string& solver_choice() const { return newton_->choice(); }
   long unknowns() const { return n_unknowns_; }
 
 private:
@@ -52,12 +62,20 @@ private:
   void lay_out(bool symmetric);
   bool residual(const std::vector<double>& x, std::vector<double>& r);
   void check_motions() const;
+  void begin_motion(double dt);
+  void accept_motion();
+  void forces_at_start();
+  void start_acceleration();
+  void weigh_forces();
+  NodalVector internal_force() const;
+  std::vector<double> velocity_of_prescribed(double t0, double t1) const;
+  bool first_guess(std::vector<double>& x, int& iterations, Integration integration);
+  std::vector<double> unknowns_of(const NodalVector& du) const;
   NodalVector pressure_at(double time) const;
   NodalVector weight_at(double time) const;
   void sum_forces();
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
-  std::vector<double> last_increment(double factor) const;
   NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;
@@ -68,7 +86,8 @@ private:
 
   World& world_;
   int dimension_;
-  NewtonSolver newton_;
+  std::unique_ptr<NewtonSolver> newton_;  ///< of the stage
+  LinearCount linear_count_;              ///< of the stages before
   BlockAssembler assembler_;
   LawSettings settings_;
 
@@ -79,12 +98,15 @@ private:
   bool prepared_ = false;  ///< for the state at t_n
 
   double t0_ = 0.0, t1_ = 0.0, load_factor_ = 0.0;
-  double force_scale_ = 0.0;
+  double force_scale_ = 0.0, inertia_scale_ = 0.0;
   long n_unknowns_ = 0;
   NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;
+  std::optional<Newmark> motion_;  ///< of the step; dynamic analyses only
+  NodalVector old_internal_, old_external_;  ///< forces at t_n, where the equation of motion asks for them
+  bool motion_ready_ = false;                ///< motion_ knows the nodes of the state at t_n
   int gauge_ = -1;
   double gauge_scale_ = 1.0;
   Balance balance_;

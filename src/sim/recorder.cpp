@@ -17,7 +17,11 @@ bool is_stress(Quantity q) { return q <= Quantity::stress_zx; }
 bool is_strain(Quantity q) { return q > Quantity::stress_zx && q <= Quantity::strain_zx; }
 bool is_displacement(Quantity q) { return q >= Quantity::displacement_x && q <= Quantity::displacement_z; }
 
-const char* unit_of(Quantity q) { return is_stress(q) ? "Pa" : is_displacement(q) ? "m" : "-"; }
+bool is_velocity(Quantity q) { return q >= Quantity::velocity_x && q <= Quantity::velocity_z; }
+
+const char* unit_of(Quantity q) {
+  return is_stress(q) ? "Pa" : is_displacement(q) ? "m" : is_velocity(q) ? "m/s" : "-";
+}
 
 template <class T>
 int index_of(const std::vector<T>& list, const std::string& name) {
@@ -66,7 +70,7 @@ void Recorder::open_history() {
 
 void Recorder::start() {
   open_history();
-  write_row({}, world_.spec.solver.integration);
+  write_row({}, world_.present_stage().solver.integration);
   write_frame(take_frame());
 }
 
@@ -110,6 +114,7 @@ void Recorder::fit_probes() {
 
 std::vector<std::string> Recorder::columns() const {
   std::vector<std::string> names = standard_history_columns();
+  if (world_.spec.is_dynamic()) names.insert(names.end(), {"kinetic_energy [J]", "damping_energy [J]"});
   for (const Gauge& g : world_.spec.output.gauges) names.push_back("gauge:" + g.name + " [m]");
   for (const NamedProbe& p : probes_)
     names.push_back(fmt::format("probe:{} [{}]", p.spec.name, unit_of(p.spec.quantity)));
@@ -148,9 +153,12 @@ std::vector<double> Recorder::probe_values() const {
   if (probes_.empty()) return values;
   const Discretisation& d = *world_.discretisation;
   const MaterialState& m = d.material;
-  std::vector<Vec3> u;
-  if (std::any_of(probes_.begin(), probes_.end(), [](const NamedProbe& p) { return is_displacement(p.spec.quantity); }))
-    u = d.point_displacements();
+  const auto wanted = [&](auto is_kind) {
+    return std::any_of(probes_.begin(), probes_.end(), [&](const NamedProbe& p) { return is_kind(p.spec.quantity); });
+  };
+  std::vector<Vec3> u, v;
+  if (wanted(is_displacement)) u = d.point_displacements();
+  if (wanted(is_velocity)) v = d.point_velocities();
   const auto value_at = [&](Quantity q, int p) {
     const int k = static_cast<int>(q);
     if (is_stress(q)) return m.stress[p][k];
@@ -159,6 +167,7 @@ std::vector<double> Recorder::probe_values() const {
       return (c < 3 ? 1.0 : 0.5) * m.strain[p][c];
     }
     if (is_displacement(q)) return u[p][k - static_cast<int>(Quantity::displacement_x)];
+    if (is_velocity(q)) return v[p][k - static_cast<int>(Quantity::velocity_x)];
     return q == Quantity::plastic_strain ? m.plastic_strain[p] : m.damage[p];
   };
   const std::vector<std::int64_t>& ids = d.point_ids();
@@ -229,10 +238,12 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-/// |W_ext - W_el - W_diss| / |W_ext|.
+/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp| / max(|W_ext|, KE_0).
 double Recorder::energy_error(double stored, double dissipated) const {
-  const double work = step_.balance().external_work;
-  return work == 0.0 ? 0.0 : std::abs(work - stored - dissipated) / std::abs(work);
+  const Balance& b = step_.balance();
+  const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
+  const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped;
+  return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
 void Recorder::write_row(const StepResult& result, Integration integration) {
@@ -256,6 +267,7 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
                              result.residual,
                              result.extrapolation_error,
                              double(static_cast<int>(integration))};
+  if (world_.spec.is_dynamic()) row.insert(row.end(), {step_.balance().kinetic, step_.balance().damped});
   for (const GaugeLine& g : world_.boundary->gauges()) row.push_back(g.elongation());
   const std::vector<double> probes = probe_values();
   row.insert(row.end(), probes.begin(), probes.end());
@@ -284,7 +296,7 @@ void Recorder::record(const StepResult& result, Integration integration) {
     noise_.emplace_back(std::abs(row_load_), stress_noise());
   const Output& o = world_.spec.output;
   const bool due =
-      o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12 * world_.spec.steps.duration;
+      o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12 * world_.spec.duration();
   follow_peak();
   if (!due) return;
   if (!peak_ || peak_->time != world_.time) return write_frame(take_frame());
@@ -339,7 +351,7 @@ void Recorder::write_frame(const Frame& frame) {
   ++frame_;
   if (frame.time < world_.time) return;
   last_frame_step_ = steps_;
-  const double end = world_.spec.steps.duration, spacing = end / std::max(1, world_.spec.output.frames);
+  const double end = world_.spec.duration(), spacing = end / std::max(1, world_.spec.output.frames);
   while (next_frame_ <= world_.time + 1e-12 * end) next_frame_ += spacing;
 }
 
@@ -368,6 +380,11 @@ VtuData Recorder::points_data() const {
                        {"crack_opening", 1, m.crack_opening()},
                        {"released_energy_fraction", 1, m.released_energy_fraction()},
                        {"id", 1, d.point_ids()}};
+  if (world_.spec.is_dynamic()) {
+    std::vector<double> velocity;
+    for (const Vec3& v : d.point_velocities()) velocity.insert(velocity.end(), v.data(), v.data() + 3);
+    data.point_fields.push_back({"velocity", 3, velocity});
+  }
   if (m.has_plasticity()) data.point_fields.push_back({"plastic_strain", 1, m.plastic_strain});
   return data;
 }
@@ -395,7 +412,7 @@ VtuData Recorder::mesh_data() const {
       data.connectivity.push_back(number[node]);
     }
     data.offsets.push_back(static_cast<int>(data.connectivity.size()));
-    data.types.push_back(vtk_type(mesh.kinds[cell]));
+    data.types.push_back(vtk_type(mesh.kinds[mpm ? mpm->grid_cell(cell) : cell]));
     double volume = 0.0, sum = 0.0;
     Voigt s = Voigt::Zero();
     auto add = [&](int p) {

@@ -46,9 +46,8 @@ public:
         world_(build_world(std::move(spec), comm)),
         step_(*world_),
         recorder_(*world_, step_, options.folder),
-        control_(world_->spec.steps),
+        control_(world_->present_stage()),
         progress_(log_, start_),
-        integration_(world_->spec.solver.integration),
         saved_(start_) {
     log_.info(describe(*world_));
     comm_.agree([&] {
@@ -65,11 +64,13 @@ public:
 
   void go() {
     try {
-      while (!control_.finished(world_->time)) {
-        if (comm_.any(interrupted)) stop();
-        advance();
-        save_if_due();
-      }
+      do {
+        while (!control_.finished(world_->time)) {
+          if (comm_.any(interrupted)) stop();
+          advance();
+          save_if_due();
+        }
+      } while (next_stage());
     } catch (const InputError& error) {
       end_early(error);
       throw;
@@ -101,6 +102,8 @@ private:
     recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds());
   }
 
+  const Solver& solver() const { return world_->present_stage().solver; }
+
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   void save() {
@@ -125,11 +128,21 @@ private:
                                (folder_ / checkpoint_name).string()));
   }
 
+  /// False at the end of the last one.
+  bool next_stage() {
+    if (world_->stage + 1 == world_->spec.stages.size()) return false;
+    ++world_->stage;
+    log_.info(fmt::format("stage {} at time {:.6g}", world_->present_stage().name, world_->time));
+    step_.begin_stage();
+    control_ = StepControl(world_->present_stage());
+    return true;
+  }
+
   /// One accepted step: the step size is cut until the attempt converges.
   void advance() {
     for (;;) {
       const double dt = control_.next(world_->time);
-      const Integration integration = control_.bridge > 0 ? Integration::impl_ex : integration_;
+      const Integration integration = control_.bridge > 0 ? Integration::impl_ex : solver().integration;
       const StepResult result = step_.attempt(dt, integration);
       log_choice();
       log_attempt(dt, result);
@@ -137,7 +150,8 @@ private:
         fail(dt, result);
         continue;
       }
-      if (integration == Integration::impl_ex && control_.reject_impl_ex(result.extrapolation_error)) {
+      if (integration == Integration::impl_ex ? control_.reject_impl_ex(result.extrapolation_error)
+                                              : control_.reject_time_error(result.time_error)) {
         recorder_.count_cut();
         control_.cut();
         continue;
@@ -145,11 +159,11 @@ private:
       step_.accept();
       recorder_.record(result, integration);
       if (integration == Integration::implicit)
-        control_.after_implicit(result.iterations);
+        control_.after_implicit(result.iterations, result.time_error);
       else
         control_.after_impl_ex(result.extrapolation_error);
       if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
-      progress_.update({recorder_.steps(), world_->time / world_->spec.steps.duration, recorder_.load(),
+      progress_.update({recorder_.steps(), world_->time / world_->spec.duration(), recorder_.load(),
                         result.iterations, result.residual, world_->n_points()});
       return;
     }
@@ -162,8 +176,8 @@ private:
       control_.cut();
       return;
     }
-    if (integration_ == Integration::implicit && control_.bridge == 0 &&
-        world_->spec.solver.snap_back == Solver::SnapBack::impl_ex) {
+    if (solver().integration == Integration::implicit && control_.bridge == 0 &&
+        solver().snap_back == Solver::SnapBack::impl_ex) {
       control_.bridge = bridge_steps;
       log_.warning(fmt::format("no equilibrium next to time {:.6g} with the smallest step: {} IMPL-EX steps follow",
                                world_->time, bridge_steps));
@@ -178,11 +192,12 @@ private:
                     world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
   }
 
-  /// The linear solver and why, whenever it changes.
+  /// The linear solver and why, whenever another one is taken; the number of unknowns changes often.
   void log_choice() {
-    if (step_.solver_choice() == choice_) return;
-    choice_ = step_.solver_choice();
-    log_.info("  linear solver     " + choice_);
+    const std::string kind = step_.solver_choice().substr(0, step_.solver_choice().find(" ("));
+    if (kind == choice_) return;
+    choice_ = kind;
+    log_.info("  linear solver     " + step_.solver_choice());
   }
 
   void log_attempt(double dt, const StepResult& result) {
@@ -216,7 +231,7 @@ private:
             fmt::format("the energy balance is off by {:.2g} % of the external work: take smaller steps; if points "
                         "cross cells of the grid, formulation = \"total_lagrangian\" may help",
                         100.0 * value));
-      if (name == "peak_load [N]" && value <= 0.0)
+      if (name == "peak_load [N]" && value <= 0.0 && !world_->spec.output.nominal.load.empty())
         log_.warning("the nominal load never becomes positive: check output.nominal.direction");
     }
   }
@@ -234,7 +249,6 @@ private:
   Recorder recorder_;
   StepControl control_;
   Progress progress_;
-  Integration integration_;
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
   std::string choice_;                           ///< of the linear solver, as last logged
 };

@@ -2,6 +2,7 @@
 /// How large the next step is: cut on failure, grow after easy steps.
 
 #include <algorithm>
+#include <cmath>
 
 #include "case/case.hpp"
 
@@ -9,8 +10,13 @@ namespace berm {
 
 class StepControl {
 public:
-  explicit StepControl(const Steps& s)
+  explicit StepControl(const Stage& stage) : StepControl(stage.steps, stage) {}
+
+private:
+  StepControl(const Steps& s, const Stage& stage)
       : steps_(s),
+        end_(stage.end()),
+        time_error_(stage.steps.analysis == Analysis::dynamic ? stage.dynamics.error_tolerance : 0.0),
         nominal_(s.duration / s.count),
         dt_(nominal_),
         min_(nominal_ * (s.adaptive ? s.min_fraction : 1.0)),
@@ -18,12 +24,13 @@ public:
     dt_ = std::clamp(dt_, min_, max_);
   }
 
+public:
   /// The next step from `time`; the last one ends exactly at the end, and none is left shorter than half a step.
   double next(double time) const {
-    const double left = steps_.duration - time;
+    const double left = end_ - time;
     return left < 1.5 * dt_ ? (left > dt_ * (1.0 + 1e-9) ? 0.5 * left : left) : dt_;
   }
-  bool finished(double time) const { return time >= steps_.duration * (1.0 - 1e-12); }
+  bool finished(double time) const { return time >= end_ * (1.0 - 1e-12); }
   bool can_cut() const { return dt_ > min_ * (1.0 + 1e-9); }
 
   double size() const { return dt_; }
@@ -34,10 +41,16 @@ public:
 
   void cut() { dt_ = std::max(min_, 0.5 * dt_); }
 
-  /// After an implicit step.
-  void after_implicit(int iterations) {
+  /// After an implicit step. time_error: of the integration of motion, which falls with the square of the step.
+  void after_implicit(int iterations, double time_error) {
     if (!steps_.adaptive) return;
-    if (iterations < steps_.easy_iterations) dt_ = std::min(max_, 1.5 * dt_);
+    double factor = iterations < steps_.easy_iterations ? 1.5 : 1.0;
+    if (time_error_ > 0.0 && time_error > 0.0)
+      factor = std::min(factor, std::max(0.5, 0.9 * std::sqrt(time_error_ / time_error)));
+    dt_ = std::clamp(factor * dt_, min_, max_);
+  }
+  bool reject_time_error(double error) const {
+    return steps_.adaptive && can_cut() && time_error_ > 0.0 && error > reject_factor * time_error_;
   }
 
   /// An IMPL-EX step whose error is more than this many tolerances is tried again with half the size, if it can be.
@@ -53,6 +66,7 @@ public:
 
 private:
   Steps steps_;
+  double end_, time_error_;  ///< time_error_: aimed at; 0: any
   double nominal_, dt_, min_, max_;
 };
 

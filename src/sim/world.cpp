@@ -245,6 +245,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   w->discretisation->move_points(w->spec.parallel.rebalance);
   check_places(*w);
   w->begin_step();
+  w->discretisation->start_motion([&](int body, const Vec3& X) { return w->spec.bodies[body].velocity.at(0.0, X); });
   collect_warnings(*w);
   return w;
 }
@@ -275,7 +276,10 @@ std::string describe(const World& w) {
     line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
                      d.most_loaded()));
   line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0) / 1e6 + 60.0));
-  line(fmt::format("  steps             {}{}", w.spec.steps.count, w.spec.steps.adaptive ? " (adaptive)" : ""));
+  for (const Stage& s : w.spec.stages)
+    line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
+                     s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",
+                     s.name.empty() ? "" : ", stage " + s.name));
   for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;
 }

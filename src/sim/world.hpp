@@ -26,13 +26,17 @@ struct World {
 
   // the state at t_n besides what the points carry
   double time = 0.0;           ///< [s]
+  std::size_t stage = 0;       ///< of the case
   double load_factor = 0.0;    ///< gauge: of the pressures; else the share of the time that has passed
   double elastic_scale = 0.0;  ///< E h t of the stiffest material: a force that means nothing below 1e-10 of it [N]
 
+  const Stage& present_stage() const { return spec.stages[stage]; }
   bool step_begun = false;     ///< begin_step has been called for the state at t_n
 
   /// Points and anchors find cells and processes; connectivity and prescribed unknowns of the coming step. Collective.
   void begin_step();
+  /// Of all processes [J]. Collective.
+  double kinetic_energy() const { return comm.sum(discretisation->kinetic_energy(present_stage().dynamics)); }
   /// Points of all processes. Collective.
   long n_points() const { return comm.sum(long(discretisation->material.size())); }
 };

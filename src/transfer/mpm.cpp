@@ -19,8 +19,8 @@ std::string text_of(const Vec3& x, int dimension) {
                         : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }
 
-/// A point's row: id, X, x, u, mass, measure, home, shift, then what the material keeps.
-constexpr int own_width = 1 + 3 + 3 + 3 + 1 + 1 + 1 + 3;
+/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, then what the material keeps.
+constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3;
 
 }  // namespace
 
@@ -31,8 +31,6 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
       space_(space),
       ghost_penalty_(ghost_penalty),
       total_lagrangian_(formulation == Formulation::total_lagrangian) {
-  active_index_.assign(grid_.mesh.n_cells(), -1);
-  local_node_.assign(grid_.mesh.n_nodes(), -1);
   double sum = 0.0;
   int most_nodes = 0;
   for (int c = 0; c < grid_.mesh.n_cells(); ++c) {
@@ -41,6 +39,7 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
     sum += dimension() == 3 ? edge * edge * edge : edge * edge;
     most_nodes = std::max(most_nodes, nodes_of(kind));
   }
+  set_fields({}, 1);
   cell_size_ = std::pow(sum / grid_.mesh.n_cells(), 1.0 / dimension());
   stride_ = most_nodes * (1 + dimension());
 }
@@ -70,7 +69,8 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     id_.push_back(n_points_ + static_cast<std::int64_t>(p));
     X_.push_back(x);
     x_.push_back(x);
-    u_.push_back(Vec3::Zero());
+    for (auto* list : {&u_, &v_, &a_}) list->push_back(Vec3::Zero());
+    C_.push_back(Mat3::Zero());
     mass_.push_back(spec.density * volume.back());
     measure_.push_back(points.measure[p]);
     cell_.push_back(cell);
@@ -80,6 +80,13 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
   n_points_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);
   numbered_ = false;
+}
+
+void MpmDiscretisation::set_fields(std::vector<int> field_of_body, int n_fields) {
+  field_of_body_ = std::move(field_of_body);
+  n_fields_ = n_fields;
+  active_index_.assign(std::size_t(n_fields) * grid_.mesh.n_cells(), -1);
+  local_node_.assign(std::size_t(n_fields) * grid_.mesh.n_nodes(), -1);
 }
 
 // ---- points and processes
@@ -96,7 +103,8 @@ std::vector<double> MpmDiscretisation::point_rows(int slice) const {
 
 void MpmDiscretisation::write_row(int p, double* row) const {
   *row++ = static_cast<double>(id_[p]);
-  for (const Vec3* v : {&X_[p], &x_[p], &u_[p]}) row = std::copy_n(v->data(), 3, row);
+  for (const Vec3* v : {&X_[p], &x_[p], &u_[p], &v_[p], &a_[p]}) row = std::copy_n(v->data(), 3, row);
+  row = std::copy_n(C_[p].data(), 9, row);
   *row++ = mass_[p];
   *row++ = measure_[p];
   *row++ = home_[p];
@@ -106,7 +114,7 @@ void MpmDiscretisation::write_row(int p, double* row) const {
 
 /// The points of all slices from rows; ascending ids make sums independent of the way the points came.
 void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& rows_of_slice) {
-  id_.clear(), X_.clear(), x_.clear(), u_.clear(), mass_.clear(), measure_.clear(), home_.clear(), shift_.clear();
+  id_.clear(), X_.clear(), x_.clear(), u_.clear(), v_.clear(), a_.clear(), C_.clear(), mass_.clear(), measure_.clear(), home_.clear(), shift_.clear();
   std::vector<std::vector<double>> material_rows(rows_of_slice.size());
   for (std::size_t s = 0; s < rows_of_slice.size(); ++s) {
     const int width = row_width(static_cast<int>(s));
@@ -118,10 +126,12 @@ void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& row
     for (const std::size_t at : order) {
       const double* row = rows.data() + at;
       id_.push_back(static_cast<std::int64_t>(*row++));
-      for (auto* list : {&X_, &x_, &u_}) {
+      for (auto* list : {&X_, &x_, &u_, &v_, &a_}) {
         list->emplace_back(row[0], row[1], row[2]);
         row += 3;
       }
+      C_.push_back(Eigen::Map<const Mat3>(row));
+      row += 9;
       mass_.push_back(*row++);
       measure_.push_back(*row++);
       home_.push_back(static_cast<int>(*row++));
@@ -224,6 +234,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   build_faces();
   number_nodes();
   attach(anchors);
+  look_at_interfaces();
 }
 
 /// Counting sort of the points by cell; cells of anchors are active even without points.
@@ -235,21 +246,24 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
     active_index_[c] = 0;
     active_cells_.push_back(c);
   };
-  for (int c : cell_) activate(c);
-  for (const Anchor* a : anchors) activate(a->cell);
+  layered_.resize(x_.size());
+  for (const Slice& slice : material.slices)
+    for (int p = slice.begin; p < slice.end; ++p) layered_[p] = layered_cell(cell_[p], slice.body);
+  for (int c : layered_) activate(c);
+  for (const Anchor* a : anchors) activate(layered_cell(a->cell, a->body));
   std::sort(active_cells_.begin(), active_cells_.end());
   for (std::size_t k = 0; k < active_cells_.size(); ++k) active_index_[active_cells_[k]] = static_cast<int>(k);
 
   first_.assign(active_cells_.size() + 1, 0);
-  for (int c : cell_) ++first_[active_index_[c] + 1];
+  for (int c : layered_) ++first_[active_index_[c] + 1];
   for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
   order_.resize(x_.size());
   std::vector<int> next(first_.begin(), first_.end() - 1);
-  for (std::size_t p = 0; p < x_.size(); ++p) order_[next[active_index_[cell_[p]]]++] = static_cast<int>(p);
+  for (std::size_t p = 0; p < x_.size(); ++p) order_[next[active_index_[layered_[p]]]++] = static_cast<int>(p);
 
   cells_.assign(active_cells_.size(), {});
   for (const Anchor* a : anchors)
-    if (a->rigid) cells_[active_index_[a->cell]].holds_rigid = 1;
+    if (a->rigid) cells_[active_index_[layered_cell(a->cell, a->body)]].holds_rigid = 1;
 }
 
 void MpmDiscretisation::evaluate_shapes() {
@@ -260,8 +274,8 @@ void MpmDiscretisation::evaluate_shapes() {
     Shape8 shape{};
     for (std::size_t a = 0; a < active_cells_.size(); ++a)
       for (int p : points_in(static_cast<int>(a))) {
-        if (!linear_shape(grid_.mesh, active_cells_[a], seen(p), shape))
-          throw RunError(fmt::format("cell {} of the background grid is too distorted", active_cells_[a]));
+        if (!linear_shape(grid_.mesh, grid_cell(active_cells_[a]), seen(p), shape))
+          throw RunError(fmt::format("cell {} of the background grid is too distorted", grid_cell(active_cells_[a])));
         double* s = shape_.data() + std::size_t(p) * stride_;
         s = std::copy_n(shape.N.begin(), shape.n, s);
         for (int k = 0; k < shape.n; ++k) s = std::copy_n(shape.grad[k].data(), d, s);
@@ -271,12 +285,12 @@ void MpmDiscretisation::evaluate_shapes() {
   std::vector<double> measure(active_cells_.size(), 0.0);
   for (std::size_t p = 0; p < x_.size(); ++p) {
     while (static_cast<int>(p) >= material.slices[slice].end) ++slice;
-    const int a = active_index_[cell_[p]];
+    const int a = active_index_[layered_[p]];
     measure[a] += measure_[p];
     cells_[a].stiffness += measure_[p] * youngs_of_slice_[slice] * (1.0 - material.damage[p]);
   }
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    cells_[a].fill = measure[a] / cell_measure(grid_.mesh, active_cells_[a]);
+    cells_[a].fill = measure[a] / cell_measure(grid_.mesh, grid_cell(active_cells_[a]));
     if (measure[a] > 0.0) cells_[a].stiffness /= measure[a];
   }
 }
@@ -288,9 +302,9 @@ void MpmDiscretisation::ask_neighbours() {
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int cell = active_cells_[a];
     for (int f = 0; f < max_faces; ++f) {
-      const int other = grid_.neighbours[std::size_t(max_faces) * cell + f];
+      const int other = neighbour(cell, f);
       if (other < 0 || active_index_[other] >= 0) continue;
-      const int rank = owner_of_cell(other);
+      const int rank = owner_of_cell(grid_cell(other));
       if (rank == comm_.rank() || told[rank] == cell) continue;
       told[rank] = cell;
       const CellState& s = cells_[a];
@@ -318,7 +332,7 @@ void MpmDiscretisation::build_faces() {
     const int cell = active_cells_[a];
     const CellState& sa = cells_[a];
     for (int f = 0; f < max_faces; ++f) {
-      const int other = grid_.neighbours[std::size_t(max_faces) * cell + f];
+      const int other = neighbour(cell, f);
       if (other < cell) continue;
       const CellState* sb = cell_state(other);
       if (!sb || (sa.fill > whole && sb->fill > whole) || sa.holds_rigid || sb->holds_rigid) continue;
@@ -334,10 +348,11 @@ void MpmDiscretisation::build_faces() {
 /// penalty: gamma E (plane: times thickness) [Pa or N/m].
 MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int cell_b, double penalty) const {
   const Mesh& mesh = grid_.mesh;
-  const FaceCorners& corner = faces_of(mesh.kinds[cell_a])[local];
+  const int grid_a = grid_cell(cell_a), grid_b = grid_cell(cell_b);
+  const FaceCorners& corner = faces_of(mesh.kinds[grid_a])[local];
   const double g = 1.0 / std::sqrt(3.0);
   std::array<Vec3, 4> p;
-  for (int k = 0; k < corner.n; ++k) p[k] = mesh.nodes[mesh.cell(cell_a)[corner.corner[k]]];
+  for (int k = 0; k < corner.n; ++k) p[k] = mesh.nodes[mesh.cell(grid_a)[corner.corner[k]]];
 
   Face face;
   face.cell_a = cell_a;
@@ -377,8 +392,8 @@ MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int 
 
   Shape8 sa{}, sb{};
   for (int q = 0; q < face.n_points; ++q) {
-    linear_shape(mesh, cell_a, at[q], sa);
-    linear_shape(mesh, cell_b, at[q], sb);
+    linear_shape(mesh, grid_a, at[q], sa);
+    linear_shape(mesh, grid_b, at[q], sb);
     if (q == 0) {
       std::copy_n(sa.nodes.begin(), sa.n, face.node.begin());
       face.n = sa.n;
@@ -412,40 +427,43 @@ void MpmDiscretisation::number_nodes() {
   ++connectivity;
 
   const Mesh& mesh = grid_.mesh;
-  std::vector<char> touched(mesh.n_nodes(), 0);
+  std::vector<char> touched(local_node_.size(), 0);
+  const auto layered_node = [&](int node, int layered_cell) { return node + field_of(layered_cell) * mesh.n_nodes(); };
   for (int c : active_cells_)
-    for (int node : mesh.nodes_of_cell(c)) touched[node] = 1;
+    for (int node : mesh.nodes_of_cell(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
-    for (int k = 0; k < f.n; ++k) touched[f.node[k]] = 1;
+    for (int k = 0; k < f.n; ++k) touched[layered_node(f.node[k], f.cell_a)] = 1;
   std::vector<std::int64_t> ids;
-  for (int node = 0; node < mesh.n_nodes(); ++node)
-    if (touched[node]) ids.push_back(node);
+  for (std::size_t node = 0; node < touched.size(); ++node)
+    if (touched[node]) ids.push_back(static_cast<std::int64_t>(node));
   for (std::int64_t id : halo.ids) local_node_[id] = -1;
-  halo = build_halo(comm_, ids, [&](std::int64_t id) { return partition_.owner(mesh.nodes[id]); });
+  halo = build_halo(comm_, ids, [&](std::int64_t id) { return partition_.owner(mesh.nodes[id % mesh.n_nodes()]); });
   nodes.clear();
   for (int i = 0; i < halo.size(); ++i) {
     local_node_[halo.ids[i]] = i;
-    nodes.push_back(mesh.nodes[halo.ids[i]]);
+    nodes.push_back(mesh.nodes[halo.ids[i] % mesh.n_nodes()]);
   }
 
   blocks = Blocks{};
   std::array<int, most_face_nodes> list;
-  const auto add_block = [&](const int* grid_nodes, int n) {
-    for (int k = 0; k < n; ++k) list[k] = local_node_[grid_nodes[k]];
+  const auto add_block = [&](const int* grid_nodes, int n, int cell) {
+    for (int k = 0; k < n; ++k) list[k] = local_node_[layered_node(grid_nodes[k], cell)];
     blocks.add({list.data(), static_cast<std::size_t>(n)});
   };
-  for (int c : active_cells_) add_block(mesh.cell(c), nodes_of(mesh.kinds[c]));
-  for (const Face& f : faces_) add_block(f.node.data(), f.n);
+  for (int c : active_cells_) add_block(mesh.cell(grid_cell(c)), nodes_of(mesh.kinds[grid_cell(c)]), c);
+  for (const Face& f : faces_) add_block(f.node.data(), f.n, f.cell_a);
+  pair_nodes();
 }
 
 void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) const {
   Shape8 shape{};
   for (Anchor* a : anchors) {
     linear_shape(grid_.mesh, a->cell, seen(*a), shape);
-    a->block = active_index_[a->cell];
+    const int layered = layered_cell(a->cell, a->body);
+    a->block = active_index_[layered];
     a->stencil.n = shape.n;
     for (int k = 0; k < shape.n; ++k) {
-      a->stencil.node[k] = local_node_[shape.nodes[k]];
+      a->stencil.node[k] = local_node_[shape.nodes[k] + field_of(layered) * grid_.mesh.n_nodes()];
       a->stencil.N[k] = shape.N[k];
     }
   }
@@ -585,7 +603,7 @@ void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& mat
   alignas(64) double K[24 * 24];
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int block = static_cast<int>(a);
-    const bool simplex = is_simplex(grid_.mesh.kinds[active_cells_[a]]);
+    const bool simplex = is_simplex(grid_.mesh.kinds[grid_cell(active_cells_[a])]);
     if (simplex)
       cell_tangent<dimension, hoop, dimension + 1>(block, settings, K);
     else

@@ -24,6 +24,12 @@ public:
   void add_body(int body, const std::string& name, const Material& material, const SeededPoints& points,
                 double thickness);
 
+  /// Bodies of different fields have nodes and cells of their own in the same grid, so that they can part and slide: a
+  /// *layered* cell or node has the number of the grid's one plus field times how many there are. Before add_body.
+  void set_fields(std::vector<int> field_of_body, int n_fields);
+  int n_fields() const override { return n_fields_; }
+  const std::vector<Interface>& interfaces() const override { return interfaces_; }
+
   const Mesh& mesh() const override { return grid_.mesh; }
   void move_points(double rebalance) override;
   int locate(Anchor& anchor) const override;
@@ -35,9 +41,19 @@ public:
   void add_body_force(const Vec3& acceleration, NodalVector& f) const override;
   void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) override;
 
+  void start_motion(const std::function<Vec3(int body, const Vec3& X)>& velocity) override;
+  void add_motion(std::vector<double>& mass, NodalVector& momentum, NodalVector& inertia) const override;
+  void add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const override;
+  void commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1, const Dynamics& how) override;
+  double kinetic_energy(const Dynamics& how) const override;
+  void reset_displacements() override;
+  const std::vector<double>& point_masses() const { return mass_; }
+  const std::vector<Mat3>& point_velocity_gradients() const { return C_; }
+
   const std::vector<std::int64_t>& point_ids() const override { return id_; }
   std::vector<Vec3> point_positions() const override { return x_; }
   std::vector<Vec3> point_displacements() const override { return u_; }
+  std::vector<Vec3> point_velocities() const override { return v_; }
   std::vector<Vec3> point_origins() const override { return X_; }
   std::vector<Vec3> points_inside(const Region& region, const std::string& body) const override;
   double cell_size() const override { return cell_size_; }
@@ -47,8 +63,10 @@ public:
   void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;
 
   const Grid& grid() const { return grid_; }
-  /// Cells of this process that hold material, in the order of the blocks, and the filled fraction of each.
+  /// Layered cells of this process that hold material, in the order of the blocks; the cell of the grid that one is; and
+  /// the filled fraction of each.
   const std::vector<int>& active_cells() const { return active_cells_; }
+  int grid_cell(int layered) const { return layered % grid_.mesh.n_cells(); }
   double fill(int active_index) const { return cells_[active_index].fill; }
   /// Points of an active cell.
   std::span<const int> points_in(int active_index) const {
@@ -66,7 +84,7 @@ private:
   /// A face between two active cells, one of them cut: jump of the normal derivative of the shape functions.
   struct Face {
     int block = -1;
-    int cell_a = 0, cell_b = 0;  ///< of the grid
+    int cell_a = 0, cell_b = 0;  ///< layered
     int n = 0, n_points = 0;
     std::array<int, most_face_nodes> node;  ///< of the grid
     /// At each point of the face: sqrt(gamma E h times the area that the point stands for), and the jumps times it.
@@ -86,6 +104,18 @@ private:
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
   void number_nodes();
   void attach(const std::vector<Anchor*>& anchors) const;
+  int layered_cell(int cell, int body) const {
+    const bool of_field = body >= 0 && body < static_cast<int>(field_of_body_.size());
+    return cell + (of_field ? field_of_body_[body] : 0) * grid_.mesh.n_cells();
+  }
+  int field_of(int layered_cell) const { return layered_cell / grid_.mesh.n_cells(); }
+  /// Layered cell across a face, or -1.
+  int neighbour(int layered, int face) const {
+    const int other = grid_.neighbours[std::size_t(max_faces) * grid_cell(layered) + face];
+    return other < 0 ? -1 : other + field_of(layered) * grid_.mesh.n_cells();
+  }
+  void pair_nodes();
+  void look_at_interfaces();
   int owner_of_cell(int cell) const { return partition_.owner(cell_centre(grid_.mesh, cell)); }
 
   template <int dimension, bool hoop>
@@ -116,6 +146,16 @@ private:
     const Vec3& x = total_lagrangian_ ? X_[p] : x_[p];
     return cell_[p] == home_[p] ? Vec3(x + shift_[p]) : x;  // points in their first cell keep its quadrature
   }
+  /// Calls work(local nodes, point, its shape) for all points.
+  template <class Work>
+  void for_points(Work work) const {
+    for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+      const int block = static_cast<int>(a);
+      const std::span<const int> list = blocks[block];
+      for (int p : points_in(block)) work(list, p, shape(p));
+    }
+  }
+
   Vec3 seen(const Anchor& a) const { return total_lagrangian_ ? a.X : a.x; }
 
   Partition partition_;
@@ -124,8 +164,11 @@ private:
   // per point
   std::vector<std::int64_t> id_;
   std::vector<Vec3> X_, x_, u_;  ///< start, now, and what lies between
+  std::vector<Vec3> v_, a_;      ///< velocity, acceleration
+  std::vector<Mat3> C_;          ///< velocity gradient that the point carries (apic), else zero
   std::vector<double> mass_, measure_;
   std::vector<int> cell_;
+  std::vector<int> layered_;  ///< of the step
   std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1
   std::vector<Vec3> shift_;  ///< of their places in that cell
   std::vector<double> shape_;
@@ -135,12 +178,16 @@ private:
 
   std::vector<double> youngs_of_slice_;  ///< scales the stabilisation (plane: times thickness)
 
-  std::vector<int> active_cells_, active_index_;  ///< cell -> index or -1
+  std::vector<int> field_of_body_;
+  int n_fields_ = 1;
+  std::vector<Interface> interfaces_;
+
+  std::vector<int> active_cells_, active_index_;  ///< layered cell -> index or -1
   std::vector<CellState> cells_;                  ///< by active index
   std::map<int, CellState> remote_;               ///< active cells of other processes at the border
   std::vector<int> order_, first_;
   std::vector<Face> faces_;
-  std::vector<int> local_node_;  ///< node of the grid -> local node or -1
+  std::vector<int> local_node_;  ///< layered node -> local node or -1
 
   // what the present node numbers were made for
   std::vector<int> numbered_cells_;

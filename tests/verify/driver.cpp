@@ -22,18 +22,26 @@ Case case_of(const std::string& text, const std::vector<std::string>& overrides)
 }
 
 StepResult Model::advance(double dt) {
-  const StepResult result = step.attempt(dt, world->spec.solver.integration);
+  const StepResult result = step.attempt(dt, world->present_stage().solver.integration);
   EXPECT_TRUE(result.converged) << "at time " << world->time << ": " << result.reason;
   if (result.converged) step.accept();
   return result;
 }
 
 bool Model::run(const std::function<void(const StepResult&)>& after) {
-  StepControl control(world->spec.steps);
-  const Integration integration = world->spec.solver.integration;
+  for (;; ++world->stage, step.begin_stage()) {
+    if (!run_stage(after)) return false;
+    if (world->stage + 1 == world->spec.stages.size()) return true;
+  }
+}
+
+bool Model::run_stage(const std::function<void(const StepResult&)>& after) {
+  StepControl control(world->present_stage());
+  const Integration integration = world->present_stage().solver.integration;
   while (!control.finished(world->time)) {
     const StepResult result = step.attempt(control.next(world->time), integration);
-    const bool too_far = integration == Integration::impl_ex && control.reject_impl_ex(result.extrapolation_error);
+    const bool too_far = integration == Integration::impl_ex ? control.reject_impl_ex(result.extrapolation_error)
+                                                             : control.reject_time_error(result.time_error);
     if (!result.converged || too_far) {
       if (!control.can_cut()) return false;
       control.cut();
@@ -42,7 +50,7 @@ bool Model::run(const std::function<void(const StepResult&)>& after) {
     step.accept();
     if (after) after(result);
     if (integration == Integration::implicit)
-      control.after_implicit(result.iterations);
+      control.after_implicit(result.iterations, result.time_error);
     else
       control.after_impl_ex(result.extrapolation_error);
   }

@@ -36,6 +36,8 @@ struct Model {
   /// All the steps of the case, cut and grown as in a run; `after` is called after each. False if no equilibrium was
   /// found with the smallest step.
   bool run(const std::function<void(const StepResult&)>& after = {});
+  /// The steps of the present stage.
+  bool run_stage(const std::function<void(const StepResult&)>& after = {});
 
   std::unique_ptr<World> world;
   QuasiStaticStep step;

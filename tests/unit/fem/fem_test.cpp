@@ -458,9 +458,9 @@ TEST(Fem, RowsCarryTheState) {
 
     rows[0].resize(rows[0].size() - fem->row_width(0));
     EXPECT_THROW(make()->restore_points(rows), InputError);
-    std::vector<Vec3> short_state = fem->node_state();
+    std::vector<double> short_state = fem->node_state();
     std::vector<std::int64_t> short_ids(fem->halo.ids.begin(), fem->halo.ids.end() - 1);
-    short_state.pop_back();
+    short_state.resize(short_state.size() - Discretisation::node_width);
     EXPECT_THROW(make()->restore_nodes(short_ids, short_state), InputError);
   }
 }

@@ -1,0 +1,301 @@
+/// Dynamic analyses against closed forms: free fall, a vibrating bar, a rotating disc.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "driver.hpp"
+#include "transfer/mpm.hpp"
+
+namespace berm::verify {
+namespace {
+
+using std::numbers::pi;
+
+const MpmDiscretisation& mpm_of(const Model& model) {
+  return dynamic_cast<const MpmDiscretisation&>(*model.world->discretisation);
+}
+
+struct Momentum {
+  double mass = 0.0;
+  Vec3 centre = Vec3::Zero(), velocity = Vec3::Zero();
+  double angular = 0.0;  ///< about the centre, z
+};
+
+/// Of all points; with what their velocity gradients carry.
+Momentum momentum_of(const Model& model) {
+  const MpmDiscretisation& d = mpm_of(model);
+  Momentum m;
+  const auto x = d.point_positions();
+  for (std::size_t p = 0; p < x.size(); ++p) {
+    m.mass += d.point_masses()[p];
+    m.centre += d.point_masses()[p] * x[p];
+    m.velocity += d.point_masses()[p] * d.point_velocities()[p];
+  }
+  m.centre /= m.mass;
+  m.velocity /= m.mass;
+  for (std::size_t p = 0; p < x.size(); ++p)
+    m.angular += d.point_masses()[p] * (x[p] - m.centre).cross(d.point_velocities()[p]).z();
+  return m;
+}
+
+// ---- a block that falls: V5
+
+const std::string falling_block = R"(
+[model]
+gravity = [0.0, -9.81]
+[grid]
+origin = [-0.5, -6.0]
+cell_size = 0.1
+cells = [35, 70]
+[material.soft]
+law = "linear_elastic"
+youngs_modulus = 1e6
+poisson_ratio = 0.3
+density = 1000
+[body.block]
+material = "soft"
+shape = { box = { min = [0.0, 0.0], max = [0.4, 0.4] } }
+velocity = [2.0, 0.0]
+[steps]
+analysis = "dynamic"
+duration = 1.0
+count = 100
+)";
+
+class FallingBlock : public testing::TestWithParam<const char*> {};
+
+TEST_P(FallingBlock, FollowsTheParabolaWithoutStress) {
+  Model model(falling_block, {std::string("dynamics.transfer=\"") + GetParam() + "\"", "dynamics.mass=\"lumped\""});
+  const Vec3 start = momentum_of(model).centre;
+  double off = 0.0, stress = 0.0;
+  ASSERT_TRUE(model.run([&](const StepResult&) {
+    const double t = model.world->time;
+    const Vec3 exact = start + Vec3(2.0 * t, -0.5 * 9.81 * t * t, 0.0);
+    off = std::max(off, (momentum_of(model).centre - exact).norm());
+    for (const Voigt& s : model.material().stress) stress = std::max(stress, s.cwiseAbs().maxCoeff());
+  }));
+  const double noise = stress / (1000.0 * 9.81 * 0.4);
+  EXPECT_LT(off, 1e-9);
+  EXPECT_LT(noise, 1e-3);
+  record({"Free fall of a block (V5)", std::string("largest distance of the centre from the parabola, ") + GetParam() + " [m]", off,
+          "0", "1e-9", "x = 2 t, y = -g t^2 / 2"});
+  record({"Free fall of a block (V5)", std::string("largest stress over rho g L, ") + GetParam(), noise, "0", "1e-3",
+          "free fall is free of stress"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Transfers, FallingBlock, testing::Values("flip", "pic", "blend", "apic"));
+
+/// Weight first, at rest on a support; then the support lets go: the broken crest of a dam.
+TEST(FallingBlock, FallsAfterGravityHasBeenAppliedAtRest) {
+  const std::string text = R"(
+[model]
+gravity = [0.0, -9.81]
+[grid]
+origin = [-0.5, -2.0]
+cell_size = 0.1
+cells = [15, 30]
+[material.soft]
+law = "linear_elastic"
+youngs_modulus = 1e6
+poisson_ratio = 0.3
+density = 1000
+[body.block]
+material = "soft"
+shape = { box = { min = [0.0, 0.0], max = [0.4, 0.4] } }
+[boundary.support]
+where = { box = { min = [-0.5, -0.001], max = [1.0, 0.001] } }
+ux = 0.0
+uy = 0.0
+stages = ["weight"]
+[stage.weight]
+count = 2
+[stage.fall]
+analysis = "dynamic"
+duration = 0.5
+count = 200
+)";
+  Model model(text);
+  ASSERT_TRUE(model.run_stage());
+  const Vec3 start = momentum_of(model).centre;
+  EXPECT_LT(momentum_of(model).velocity.norm(), 1e-12);
+  ++model.world->stage;
+  model.step.begin_stage();
+  double off = 0.0;
+  ASSERT_TRUE(model.run_stage([&](const StepResult&) {
+    const double t = model.world->time - 1.0;
+    off = std::max(off, (momentum_of(model).centre - start - Vec3(0.0, -0.5 * 9.81 * t * t, 0.0)).norm());
+  }));
+  EXPECT_LT(off, 1e-6);
+  record({"Free fall of a block (V5)", "after gravity at rest: largest distance from the parabola [m]", off, "0", "1e-6",
+          "y = -g t^2 / 2"});
+}
+
+// ---- a bar that vibrates: V7
+
+/// One row of cells that holds a bar of length 25, clamped at x = 0.
+std::string vibrating_bar(int cells, double duration, int steps) {
+  return fmt::format(R"(
+[grid]
+origin = [0.0, 0.0]
+cell_size = [{0}, {0}]
+cells = [{1}, 1]
+[material.spring]
+law = "linear_elastic"
+youngs_modulus = 100
+poisson_ratio = 0.0
+density = 1.0
+[body.bar]
+material = "spring"
+shape = {{ kind = "rectangle", min = [0.0, 0.0], max = [25.0, {0}] }}
+velocity = ["0.1*sin(pi*x/50)", 0.0]
+[boundary.clamp]
+where = {{ box = {{ max = [0.001, 100.0] }} }}
+ux = 0.0
+[boundary.roller]
+where = {{ box = {{ min = [-1.0, -100.0], max = [100.0, 100.0] }} }}
+uy = 0.0
+[steps]
+analysis = "dynamic"
+duration = {2}
+count = {3}
+adaptive = false
+)",
+                     25.0 / cells, cells + 2, duration, steps);
+}
+
+constexpr double bar_frequency = pi / 50.0 * 10.0;
+
+struct BarResult {
+  double amplitude_error = 0.0;  ///< largest |v - exact| of the centre over the amplitude
+  double period_error = 0.0;     ///< from the zeros of the velocity
+  double energy_drift = 0.0;
+};
+
+BarResult vibrate(int cells, double duration, int steps, const std::vector<std::string>& overrides) {
+  Model model(vibrating_bar(cells, duration, steps), overrides);
+  BarResult out;
+  const auto energy = [&] { return model.step.balance().kinetic + model.material().stored_energy(); };
+  const double start = energy();
+  double v_before = momentum_of(model).velocity.x(), t_before = 0.0, last_zero = 0.0;
+  int zeros = 0;
+  EXPECT_TRUE(model.run([&](const StepResult&) {
+    const double t = model.world->time, v = momentum_of(model).velocity.x();
+    out.amplitude_error =
+        std::max(out.amplitude_error, std::abs(v - 0.2 / pi * std::cos(bar_frequency * t)) / (0.2 / pi));
+    if (v * v_before < 0.0) {
+      last_zero = t_before + (t - t_before) * v_before / (v_before - v);
+      ++zeros;
+    }
+    v_before = v;
+    t_before = t;
+  }));
+  // The k-th zero of cos lies at (k - 1/2) pi / omega.
+  out.period_error = last_zero * bar_frequency / ((zeros - 0.5) * pi) - 1.0;
+  out.energy_drift = energy() / start - 1.0;
+  return out;
+}
+
+TEST(VibratingBar, PhaseAndEnergyOverTenPeriods) {
+  for (const auto& [name, overrides] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"lumped mass", {}}, {"consistent mass", {"dynamics.mass=\"consistent\""}}}) {
+    const BarResult r = vibrate(25, 100.0, 2000, overrides);
+    EXPECT_LT(std::abs(r.period_error), 1e-3) << name;
+    EXPECT_LT(std::abs(r.energy_drift), 1e-3) << name;
+    record({"Vibrating bar (V7)", "error of the period, 25 cells, FLIP, " + name, r.period_error, "0", "0.001",
+            "T = 10 s of the continuous bar"});
+    record({"Vibrating bar (V7)", "change of energy over 100 s, 25 cells, FLIP, " + name, r.energy_drift, "0", "0.001",
+            "no damping"});
+  }
+}
+
+/// (omega dt)^2 / 12 with two steps to tell it from the error of the grid.
+TEST(VibratingBar, PeriodElongationOfNewmark) {
+  const BarResult fine = vibrate(25, 50.0, 2000, {}), coarse = vibrate(25, 50.0, 50, {});
+  const double expected = bar_frequency * bar_frequency / 12.0;
+  EXPECT_NEAR(coarse.period_error - fine.period_error, expected, 0.05 * expected);
+  record({"Vibrating bar (V7)", "elongation of the period, Newmark, dt = 1 s", coarse.period_error - fine.period_error,
+          fmt::format("{:.5f}", expected), "5 %", "(omega dt)^2 / 12"});
+}
+
+/// A mode of the bar decays with zeta = (a / omega + b omega) / 2.
+TEST(VibratingBar, RayleighDampingDecaysAsItShould) {
+  for (const auto& [key, value] : {std::pair{"rayleigh_mass", 0.02}, std::pair{"rayleigh_stiffness", 0.05}}) {
+    Model model(vibrating_bar(25, 50.0, 1000), {fmt::format("dynamics.{}={}", key, value)});
+    const double start = model.step.balance().kinetic;
+    ASSERT_TRUE(model.run());
+    const double zeta =
+        0.5 * (std::string(key) == "rayleigh_mass" ? value / bar_frequency : value * bar_frequency);
+    const double exact = std::exp(-2.0 * zeta * bar_frequency * 50.0);
+    const double reached = (model.step.balance().kinetic + model.material().stored_energy()) / start;
+    EXPECT_NEAR(reached, exact, 0.01 * exact) << key;
+    EXPECT_NEAR(model.step.balance().damped, start * (1.0 - reached), 0.01 * start) << key;
+    record({"Vibrating bar (V7)", std::string("energy left after 5 periods, ") + key, reached,
+            fmt::format("{:.4f}", exact), "1 %", "exp(-2 zeta omega t)"});
+  }
+}
+
+/// Numerical damping takes from the highest frequencies what it leaves to the lowest.
+TEST(VibratingBar, BossakAndHhtKeepTheFirstMode) {
+  for (const char* name : {"bossak", "hht"}) {
+    const BarResult r = vibrate(25, 50.0, 1000, {fmt::format("dynamics.integrator=\"{}\"", name)});
+    EXPECT_LT(std::abs(r.period_error), 1e-3) << name;
+    EXPECT_LT(r.energy_drift, 0.0) << name;
+    EXPECT_GT(r.energy_drift, -2e-3) << name;
+    record({"Vibrating bar (V7)", std::string("change of energy over 5 periods, ") + name, r.energy_drift, "0", "0.002",
+            "alpha = -0.1, omega dt = 0.031"});
+  }
+}
+
+TEST(VibratingBar, FemMovesAlike) {
+  const std::vector<std::string> fem = {"method=\"fem\"", "body.bar.mesh={kind=\"quads\",size=1.0,structured=true}"};
+  const std::string text = vibrating_bar(25, 100.0, 2000);
+  Model model(text, fem);
+  const double start = model.step.balance().kinetic;
+  ASSERT_TRUE(model.run());
+  const double drift = (model.step.balance().kinetic + model.material().stored_energy()) / start - 1.0;
+  EXPECT_LT(std::abs(drift), 1e-4);
+  record({"Vibrating bar (V7)", "change of energy over 100 s, FEM", drift, "0", "1e-4", "no damping"});
+}
+
+// ---- a disc that turns: V4
+
+const std::string turning_disc = R"(
+[grid]
+origin = [-1.5, -1.5]
+cell_size = 0.1
+cells = [30, 30]
+[material.soft]
+law = "linear_elastic"
+youngs_modulus = 1e6
+poisson_ratio = 0.3
+density = 1000
+[body.disc]
+material = "soft"
+shape = { kind = "disc", centre = [0.0, 0.0], radius = 1.0 }
+velocity = ["-y", "x"]
+[steps]
+analysis = "dynamic"
+duration = 12.566370614359172
+count = 800
+adaptive = false
+[solver]
+ghost_penalty = 0.001
+)";
+
+TEST(TurningDisc, KeepsItsAngularMomentum) {
+  for (const auto& [transfer, most] : {std::pair{"flip", 0.02}, std::pair{"apic", 0.02}, std::pair{"pic", 1.0}}) {
+    Model model(turning_disc, {fmt::format("dynamics.transfer=\"{}\"", transfer), "steps.duration=6.283185307179586",
+                               "steps.count=400"});
+    const double start = momentum_of(model).angular;
+    ASSERT_TRUE(model.run());
+    const double drift = momentum_of(model).angular / start - 1.0;
+    EXPECT_LT(std::abs(drift), most) << transfer;
+    record({"Turning disc (V4)", fmt::format("change of angular momentum in one turn, {}", transfer), drift, "0",
+            most < 1.0 ? fmt::format("{}", most) : "reported", "no torque"});
+  }
+}
+
+}  // namespace
+}  // namespace berm::verify
