@@ -62,6 +62,7 @@ struct Body {
   PointSeeding points;   ///< mpm
   BodyMeshOptions mesh;  ///< fem
   VectorFunction displacement;  ///< rigid: motion [m]
+  VectorFunction acceleration;  ///< deformable: a body force over the density, beside gravity [m/s2]
   VectorFunction velocity;      ///< deformable: of its places at the start [m/s]
 };
 
@@ -268,7 +269,8 @@ template <class AnyCase, class F>
 void for_each_motion(AnyCase& c, F f) {
   for (auto& component : c.gravity.component) f(component);
   for (auto& body : c.bodies)
-    for (auto& component : body.displacement.component) f(component);
+    for (auto* motion : {&body.displacement, &body.acceleration})
+      for (auto& component : motion->component) f(component);
   for (auto& boundary : c.boundaries)
     for (auto& u : boundary.u)
       if (u) f(*u);

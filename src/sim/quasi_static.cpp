@@ -73,11 +73,19 @@ NodalVector QuasiStaticStep::pressure_at(double time) const {
   return f;
 }
 
+bool QuasiStaticStep::has_weight() const {
+  const Case& c = world_.spec;
+  return !c.gravity.is_zero() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.acceleration.is_zero(); });
+}
+
 NodalVector QuasiStaticStep::weight_at(double time) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
-  if (world_.spec.gravity.is_zero()) return f;
-  d.add_body_force(world_.spec.gravity.at(time), f);
+  if (!has_weight()) return f;
+  std::vector<Vec3> acceleration;
+  for (const Body& b : world_.spec.bodies)
+    acceleration.push_back(world_.spec.gravity.at(time) + b.acceleration.at(time));
+  d.add_body_force(acceleration, f);
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }
@@ -417,7 +425,7 @@ void QuasiStaticStep::accept() {
     work += 0.5 * (dot(pressure_at(t0_), du_) + dot(pressure_, du_));
     balance_.pressure_force = bc.pressure_forces(t1_);
   }
-  if (!c.gravity.is_zero()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
+  if (has_weight()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
   if (motion_) accept_motion();
 

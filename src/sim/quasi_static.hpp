@@ -73,6 +73,7 @@ private:
   std::vector<double> unknowns_of(const NodalVector& du) const;
   NodalVector pressure_at(double time) const;
   NodalVector weight_at(double time) const;
+  bool has_weight() const;
   void sum_forces();
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);

@@ -641,12 +641,13 @@ void MpmDiscretisation::add_stabilisation(const NodalVector& du, NodalVector& f,
   }
 }
 
-void MpmDiscretisation::add_body_force(const Vec3& acceleration, NodalVector& f) const {
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    const std::span<const int> list = blocks[static_cast<int>(a)];
-    for (int p : points_in(static_cast<int>(a)))
-      for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += shape(p)[k] * mass_[p] * acceleration;
-  }
+void MpmDiscretisation::add_body_force(const std::vector<Vec3>& acceleration, NodalVector& f) const {
+  std::vector<Vec3> of_point(x_.size());
+  for (const Slice& slice : material.slices)
+    std::fill(of_point.begin() + slice.begin, of_point.begin() + slice.end, acceleration[slice.body]);
+  for_points([&](std::span<const int> list, int p, const double* N) {
+    for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += N[k] * mass_[p] * of_point[p];
+  });
 }
 
 void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>& anchors) {
