@@ -10,7 +10,10 @@ Newmark::Newmark(const Dynamics& how) : how_(how) {
   if (how.integrator == Dynamics::Integrator::newmark) return;
   gamma_ = 0.5 - how.alpha;
   beta_ = 0.25 * (1.0 - how.alpha) * (1.0 - how.alpha);
-  (how.integrator == Dynamics::Integrator::hht ? old_ : old_mass_) = -how.alpha;
+  if (how.integrator == Dynamics::Integrator::hht)
+    old_ = -how.alpha;
+  else
+    old_mass_ = how.alpha;
 }
 
 void Newmark::gather(const Discretisation& d) {

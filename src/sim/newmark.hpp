@@ -50,7 +50,7 @@ private:
   Dynamics how_;
   double beta_ = 0.25, gamma_ = 0.5;
   double old_ = 0.0;       ///< weight of the forces at t_n: HHT
-  double old_mass_ = 0.0;  ///< weight of the inertia at t_n: Bossak
+  double old_mass_ = 0.0;  ///< weight of the inertia at t_n: Bossak (not positive)
   double dt_ = 1.0;
   int dimension_ = 2;
   std::vector<double> mass_;        ///< of this process

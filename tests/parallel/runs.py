@@ -414,8 +414,57 @@ displacement = "pull"
 direction = [1.0, 0.0, 0.0]
 """
 
+# Weight at rest, then thrown: turns, vibrates and falls through the grid, so that points change their process.
+THROWN = """
+[model]
+plane = "strain"
+gravity = [0.0, "t < 0.1 ? -98.1*t : -9.81"]
+[grid]
+origin = [-0.3, -1.0]
+cell_size = 0.1
+cells = [24, 20]
+[material.rock]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = "2 MPa"
+poisson_ratio = 0.3
+[body.block]
+material = "rock"
+shape.box = { min = [0.0, 0.0], max = [0.8, 0.43] }
+velocity = ["3 - 2*y", "2*x"]
+[boundary.support]
+where.box = { min = [-1.0, -1e-6], max = [5.0, 1e-6] }
+ux = 0.0
+uy = 0.0
+stages = ["weight"]
+[gauge.length]
+from = [0.1, 0.2]
+to = [0.7, 0.2]
+[probe.middle]
+at = [0.4, 0.2]
+quantity = "velocity_y"
+[dynamics]
+transfer = "blend"
+rayleigh_stiffness = 1e-4
+[stage.weight]
+duration = 0.1
+count = 2
+[stage.motion]
+analysis = "dynamic"
+duration = 0.5
+count = 50
+[stage.again]
+analysis = "dynamic"
+duration = 0.4
+count = 60
+dynamics = { integrator = "hht", mass = "consistent", transfer = "apic" }
+[output]
+frames = 4
+"""
+
 TEXT = {
     "cylinder": CYLINDER,
+    "thrown": THROWN,
     "disc": DISC,
     "shared": SHARED,
     "unilateral": UNILATERAL,
@@ -631,6 +680,13 @@ class AnyNumberOfProcesses(Case):
     def test_points_that_travel_in_space(self):
         self.same("drawn_solid", history=1e-7, points=1e-7)
 
+    def test_motion(self):
+        self.same("thrown", history=1e-7, points=1e-7)
+
+    def test_motion_fem(self):
+        mesh = 'body.block.mesh={ kind = "quads", size = 0.1, structured = true, order = 2 }'
+        self.same("thrown", ["method=fem", mesh], history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 
@@ -711,6 +767,17 @@ class Continued(Case):
 
     def test_points_that_travel(self):
         self.goes_on("drawn", 2, 4, history=1e-7, points=1e-7, steps=22)
+
+    # In the second and in the third stage.
+    def test_motion(self):
+        self.goes_on("thrown", 2, 1, history=1e-7, points=1e-7, steps=22)
+
+    def test_motion_in_a_later_stage(self):
+        self.goes_on("thrown", 1, 2, history=1e-7, points=1e-7, steps=72)
+
+    def test_motion_fem(self):
+        mesh = 'body.block.mesh={ kind = "quads", size = 0.1, structured = true, order = 2 }'
+        self.goes_on("thrown", 1, 2, ["method=fem", mesh], history=1e-7, points=1e-7, steps=72)
 
     def test_fem(self):
         self.goes_on("fem_solid", 1, 4, ["steps.count=30"])

@@ -30,7 +30,7 @@ poisson_ratio = 0.2
 density = 2643
 [body.dam]
 material = "concrete"
-shape = { polygon = [[0.0, 0.0], [70.0, 0.0], [19.25, 66.5], [14.8, 103.0], [0.0, 103.0]] }
+shape.polygon = [[0.0, 0.0], [70.0, 0.0], [19.25, 66.5], [14.8, 103.0], [0.0, 103.0]]
 velocity = ["if_crest", 0.0]
 [boundary.base]
 where = { box = { max = [1000.0, 0.001] } }
