@@ -30,6 +30,10 @@ struct Where {
     double from, to;  ///< counter-clockwise from the x axis, seen against z [rad]
   };
   std::optional<Sector> sector;
+  struct HalfSpace {
+    Vec3 at, normal;
+  };
+  std::optional<HalfSpace> beyond;  ///< on the side of a plane to which its normal points
 };
 
 struct Material {
@@ -65,6 +69,14 @@ struct NodeBoundary {
   std::string name;
   Where where;
   std::array<std::optional<TimeFunction>, 3> u;  ///< ux, uy, uz: displacement [m]; absent: free
+  std::optional<Vec3> normal;                    ///< of an inclined slip boundary
+  TimeFunction un;                               ///< displacement along it [m]
+
+  bool depends_on_place() const {
+    for (const auto& f : u)
+      if (f && f->depends_on_place()) return true;
+    return false;
+  }
 };
 
 /// Held material points (any place inside a body): removes rigid motion where no boundary does.
@@ -75,11 +87,15 @@ struct Pin {
 };
 
 /// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
-/// material; direction and area are those of the reference state.
+/// material.
 struct Pressure {
   std::string name, body;
   Where where;
   TimeFunction value;  ///< positive pushes into the body [Pa]
+  enum class Direction {
+    following,  ///< finite kinematics: direction and area are those of the deformed face
+    dead        ///< those of the reference state
+  } direction = Direction::following;
 };
 
 /// A deformable body's surface against a rigid body.
@@ -89,9 +105,11 @@ struct Contact {
     tie,           ///< surfaces that touch at the start move together, both ways
     no_slip,       ///< unilateral; no sliding while in touch
     frictionless,  ///< unilateral; free sliding
+    friction,      ///< unilateral; slides where the shear reaches Coulomb's limit
     shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
   double stiffness = 1000.0;  ///< penalty in units of E/h [-]
+  double friction = 0.0;      ///< Coulomb's coefficient, with Kind::friction [-]
 };
 
 /// Change of the distance between two material points along the line that joins them at the start.
@@ -217,15 +235,17 @@ struct Case {
   std::vector<std::string> warnings;
 };
 
-/// Calls f with every motion of a case and its gravity: the functions of time that may not depend on the place.
+/// Calls f with every motion of a case and its gravity. Only prescribed displacements of nodes may depend on the place.
 template <class AnyCase, class F>
 void for_each_motion(AnyCase& c, F f) {
   for (auto& component : c.gravity.component) f(component);
   for (auto& body : c.bodies)
     for (auto& component : body.displacement.component) f(component);
-  for (auto& boundary : c.boundaries)
+  for (auto& boundary : c.boundaries) {
     for (auto& u : boundary.u)
       if (u) f(*u);
+    f(boundary.un);
+  }
 }
 
 }  // namespace berm

@@ -133,6 +133,11 @@ private:
     refer_one(scope, "load", nominal.load, "rigid body, boundary or pressure", sources, names_of(c_.pressures));
     refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
               names_of(c_.output.gauges));
+    for (const NodeBoundary& b : c_.boundaries)
+      if (b.name == nominal.displacement && b.depends_on_place())
+        scope.explain("displacement", fmt::format("the displacement of boundary \"{}\" differs from node to node; take "
+                                                  "a gauge",
+                                                  b.name));
   }
 
   /// Like refer(), and the name may mean one thing only.

@@ -49,6 +49,7 @@ public:
             const std::vector<double>* increment = nullptr);
   /// dense: row-major block, unknowns ordered node by node.
   void add(int block, const double* dense);
+  int nodes_of(int block) const { return static_cast<int>(blocks_[block].size()); }
   /// Last column / last row of a bordered system, in the order of Border's lists.
   void set_border(const std::vector<double>& column, const std::vector<double>& row);
   CsrMatrix& matrix() { return matrix_; }

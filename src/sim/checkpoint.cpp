@@ -129,8 +129,10 @@ void save_checkpoint(const std::string& path, const World& world, const QuasiSta
   file.write_number("bridge", control.bridge);
   const Balance& balance = step.balance();
   file.write_number("external_work", balance.external_work);
+  file.write_number("friction_work", balance.friction_work);
   file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
   file.write("forces/boundary", from_root(comm, flat(balance.reactions.boundary)), 3);
+  file.write("forces/node", from_root(comm, balance.reactions.node));
   file.write("forces/pressure", from_root(comm, flat(balance.pressure_force)), 3);
 
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)
@@ -160,8 +162,10 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   control.bridge = static_cast<int>(file.read_number("bridge"));
   Balance balance;
   balance.external_work = file.read_number("external_work");
+  balance.friction_work = file.read_number("friction_work");
   balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
   balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));
+  balance.reactions.node = read_all(file, "forces/node");
   balance.pressure_force = vectors(read_all(file, "forces/pressure", 3));
   step.restore(balance);
 

@@ -22,6 +22,7 @@ struct Balance {
   Reactions reactions;
   std::vector<Vec3> pressure_force;  ///< by case pressure [N]
   double external_work = 0.0;        ///< since the start [J]
+  double friction_work = 0.0;        ///< heat of sliding contact since the start [J]
 };
 
 /// Seconds spent since the start.
@@ -52,7 +53,11 @@ private:
   void lay_out(bool symmetric);
   bool residual(const std::vector<double>& x, std::vector<double>& r);
   void check_motions() const;
-  NodalVector pressure_at(double time) const;
+  NodalVector no_motion() const;
+  NodalVector pressure_at(double time, const NodalVector& du) const;
+  /// Pressures count at this time, times this factor.
+  double load_time() const { return gauge_ >= 0 ? world_.spec.steps.duration : t1_; }
+  double pressure_factor() const { return gauge_ >= 0 ? load_factor_ : 1.0; }
   NodalVector weight_at(double time) const;
   void sum_forces();
   void assemble(const std::vector<double>* prescribed);

@@ -34,6 +34,7 @@ unsigned char vtk_type(CellKind kind) {
 
 Vec3 motion_of(const NodeBoundary& b, double time) {
   Vec3 u = Vec3::Zero();
+  if (b.normal) u = b.un.at(time) * *b.normal;
   for (int i = 0; i < 3; ++i)
     if (b.u[i]) u[i] = b.u[i]->at(time);
   return u;
