@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "method/depth.hpp"
 
 namespace berm {
 namespace {
@@ -71,9 +72,22 @@ bool share_a_stage(const Stages& a, const Stages& b) {
   return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
+/// Stiffness of an inclined node, in units of E t (in space E h).
+constexpr double inclined_penalty = 1e6;
+
 bool is_rigid_motion(Contact::Kind kind) { return kind == Contact::Kind::shared_nodes; }
 
 }  // namespace
+
+std::vector<int> fields_of_bodies(const Case& c) {
+  std::vector<int> field(c.bodies.size(), 0);
+  int n = 0;
+  for (const Contact& contact : c.contacts)
+    if (!contact.other.empty())
+      for (const std::string& name : {contact.body, contact.other})
+        if (int& f = field[body_index(c, name)]; f == 0) f = ++n;
+  return field;
+}
 
 BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface)
     : case_(c),
@@ -93,6 +107,10 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
 
 void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
   const Mesh& mesh = d.mesh();
+  double youngs = 0.0;
+  for (const Material& m : c.materials)
+    youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
+  const double stiffness = inclined_penalty * youngs * (dimension_ == 3 ? d.cell_size() : 1.0);
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
     const std::vector<int>* group = nullptr;
@@ -109,8 +127,13 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
       const int node = group ? (*group)[k] : k;
       if (!inside(spec.where, mesh.nodes[node])) continue;
       any = true;
+      const Vec3& at = mesh.nodes[node];
       for (int i = 0; i < dimension_; ++i)
-        if (spec.u[i]) prescribe(node, i, static_cast<int>(b));
+        if (spec.u[i]) prescribe(node, at, i, static_cast<int>(b));
+      if (spec.normal)
+        for (int field = 0; field < d.n_fields(); ++field)
+          inclined_.push_back({node + field * mesh.n_nodes(), static_cast<int>(b),
+                               stiffness * depth(c.space, c.thickness, at.x()), 0.0});
     }
     if (!any)
       throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
@@ -119,7 +142,7 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
 }
 
 /// The first boundary of a stage owns a displacement; another one may only repeat it.
-void BoundaryConditions::prescribe(int node, int component, int boundary) {
+void BoundaryConditions::prescribe(int node, const Vec3& at, int component, int boundary) {
   const NodeBoundary& spec = case_.boundaries[boundary];
   std::vector<int>& others = boundaries_at_[{node, component}];
   for (const int other : others) {
@@ -131,12 +154,22 @@ void BoundaryConditions::prescribe(int node, int component, int boundary) {
                       first.name, spec.name, "xyz"[component]));
   }
   others.push_back(boundary);
-  conditions_.push_back({node, component, boundary});
+  by_place_ |= spec.depends_on_place();
+  conditions_.push_back({node, component, boundary, at});
 }
 
 void BoundaryConditions::begin_stage(const std::string& name) {
   stage_ = name;
   connectivity_ = -1;
+  grid_contact_.clear();
+  const std::vector<int> field = fields_of_bodies(case_);
+  for (const Contact& c : case_.contacts) {
+    if (c.other.empty() || !acts(c.stages)) continue;
+    const int a = body_index(case_, c.body), b = body_index(case_, c.other);
+    const double youngs = std::min(stiffness_of(case_, a), stiffness_of(case_, b));
+    const double depth = is_plane(case_.space) ? case_.thickness : cell_size_;
+    grid_contact_.add({std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs * depth});
+  }
 }
 
 bool BoundaryConditions::acts(const Stages& stages) const {
@@ -190,6 +223,7 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
     const Contact& spec = c.contacts[k];
     const int rigid = body_index(c, spec.rigid), body = body_index(c, spec.body);
     rigid_of_contact_.push_back(rigid);
+    if (!spec.other.empty()) continue;  // at the nodes of the grid
     const Region& region = rigid_regions_.try_emplace(rigid, *c.bodies[rigid].shape, cell_size_).first->second;
     if (is_rigid_motion(spec.kind)) {
       add_rigid_points(c, static_cast<int>(k), region, d);
@@ -302,6 +336,34 @@ void BoundaryConditions::share_nodes(const Discretisation& d) {
   }
 }
 
+/// Inclined nodes among the local ones; each process that touches such a node adds its share.
+void BoundaryConditions::find_inclined(const Discretisation& d) {
+  local_inclined_.clear();
+  if (inclined_.empty()) return;
+  std::vector<std::pair<int, int>> block_of(d.n_nodes(), {-1, -1});
+  for (int block = 0; block < d.blocks.size(); ++block)
+    for (std::size_t k = 0; k < d.blocks[block].size(); ++k)
+      block_of[d.blocks[block][k]] = {block, static_cast<int>(k)};
+  std::vector<double> touching(d.n_nodes(), 0.0);
+  for (int node = 0; node < d.n_nodes(); ++node) touching[node] = block_of[node].first >= 0 ? 1.0 : 0.0;
+  d.halo.add_to_owners(touching.data(), 1);
+  d.halo.copy_to_ghosts(touching.data(), 1);
+  for (std::size_t k = 0; k < inclined_.size(); ++k) {
+    const int node = d.halo.find(inclined_[k].node);
+    if (!acts(case_.boundaries[inclined_[k].boundary].stages)) continue;
+    if (node < 0 || block_of[node].first < 0) continue;
+    local_inclined_.push_back(
+        {static_cast<int>(k), node, block_of[node].first, block_of[node].second, 1.0 / touching[node]});
+  }
+}
+
+/// Force of a node against an inclined support [N].   [boundaries (9)]
+double BoundaryConditions::push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const {
+  const InclinedNode& node = inclined_[local.index];
+  const NodeBoundary& spec = case_.boundaries[node.boundary];
+  return node.push + node.stiffness * (spec.normal->dot(du[local.node]) - (spec.un.at(t1) - spec.un.at(t0)));
+}
+
 void BoundaryConditions::begin_step(const Discretisation& d) {
   n_owned_ = d.halo.n_owned;
   if (connectivity_ != d.connectivity) {
@@ -317,6 +379,7 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
           local_conditions_.emplace_back(static_cast<int>(k), node);
       }
     }
+    find_inclined(d);
   }
   fixed_.assign(static_cast<std::size_t>(dimension_) * d.n_nodes(), 0);
   for (const auto& [k, node] : local_conditions_) fixed_[dimension_ * node + conditions_[k].component] = 1;
@@ -340,7 +403,7 @@ std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t
   for (const auto& [k, node] : local_conditions_) {
     const NodeCondition& c = conditions_[k];
     const TimeFunction& u = *case_.boundaries[c.boundary].u[c.component];
-    du[dimension_ * node + c.component] = u.at(t1) - u.at(t0);
+    du[dimension_ * node + c.component] = u.at(t1, c.at) - u.at(t0, c.at);
   }
   for (std::size_t node = 0; node < moved_by_.size(); ++node) {
     if (moved_by_[node] < 0) continue;
@@ -355,26 +418,40 @@ Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
   return motion.at(t1) - motion.at(t0);
 }
 
-/// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip.   [boundaries (3), (4)]
+/// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip, and with friction what Coulomb's cone
+/// lets through of that.   [boundaries (3), (4), (10), (11)]
 BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
                                                                    double t0, double t1) const {
-  const Contact::Kind kind = case_.contacts[point.contact].kind;
-  if (!acts(case_.contacts[point.contact].stages)) return {Vec3::Zero(), Mat3::Zero(), false};
+  const Contact& spec = case_.contacts[point.contact];
+  if (!acts(spec.stages)) return {Vec3::Zero(), Mat3::Zero(), false, point.slip};
   const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
   const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;
-  if (kind == Contact::Kind::tie) return {-k * (point.slip + relative), k * Mat3::Identity(), true};
+  if (spec.kind == Contact::Kind::tie) {
+    const Vec3 slip = point.slip + relative;
+    return {-k * slip, k * Mat3::Identity(), true, slip};
+  }
+  // Surfaces that just touch count as closed, so that a body laid on another one is held from the first guess on.
+  const double gap = point.gap + point.normal.dot(relative), touching = 1e-12 * cell_size_;
+  if (gap >= touching) return {};
+  const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
+  const Vec3 push = -k * gap * point.normal;
+  if (spec.kind == Contact::Kind::frictionless) return {push, k * nn, true};
+  const Vec3 slip = tangential * (point.slip + relative);
+  const double limit = spec.friction * std::max(0.0, -gap), size = slip.norm();  // over k
+  if (spec.kind == Contact::Kind::no_slip || size <= limit) return {push - k * slip, k * Mat3::Identity(), true, slip};
 
-  const double gap = point.gap + point.normal.dot(relative);
-  if (gap >= 0.0) return {Vec3::Zero(), Mat3::Zero(), false};
-  const Mat3 nn = point.normal * point.normal.transpose();
-  if (kind == Contact::Kind::frictionless) return {-k * gap * point.normal, k * nn, true};
-  const Mat3 tangential = Mat3::Identity() - nn;
-  return {-k * gap * point.normal - k * (tangential * (point.slip + relative)), k * Mat3::Identity(), true};
+  const Vec3 direction = slip / size;
+  const double before = spec.friction * std::max(0.0, -point.gap);
+  ContactForce sliding{push - k * limit * direction, k * nn, true, limit * direction};
+  sliding.stiffness += k * (limit / size) * (tangential - direction * direction.transpose());
+  if (gap < 0.0) sliding.stiffness -= k * spec.friction * (direction * point.normal.transpose());
+  sliding.heat = 0.5 * k * (before + limit) * (size - limit);
+  return sliding;
 }
 
-void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1, NodalVector& f,
-                                    BlockAssembler* matrix) const {
+void BoundaryConditions::add_forces(const Discretisation& discretisation, const NodalVector& du, double t0, double t1,
+                                    NodalVector& f, BlockAssembler* matrix) const {
   const int d = dimension_;
   std::vector<double> K;
   auto add = [&](const Anchor& a, const Vec3& force, const Mat3& stiffness) {
@@ -393,31 +470,102 @@ void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1,
     const ContactForce c = contact_force(p, du, t0, t1);
     if (c.active) add(p.anchor, c.force, c.stiffness);
   }
+  grid_contact_.add_forces(discretisation, du, f, matrix);
   for (const PinPoint& pin : pins_) {
     if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
     add(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k);
   }
-}
-
-Vec3 BoundaryConditions::force_of(const PressurePoint& point, double time) const {
-  const Pressure& load = case_.pressures[point.load];
-  return acts(load.stages) ? Vec3(load.value.at(time, point.anchor.x) * point.area) : Vec3::Zero();
-}
-
-void BoundaryConditions::add_pressure(double time, NodalVector& f) const {
-  for (const PressurePoint& p : pressures_) {
-    const Vec3 force = force_of(p, time);
-    const Stencil& s = p.anchor.stencil;
-    for (int k = 0; k < s.n; ++k) f[s.node[k]] += s.N[k] * force;
+  for (const LocalInclined& local : local_inclined_) {
+    const InclinedNode& node = inclined_[local.index];
+    const Vec3& normal = *case_.boundaries[node.boundary].normal;
+    f[local.node] += local.share * push_of(local, du, t0, t1) * normal;
+    if (!matrix) continue;
+    const int width = d * matrix->nodes_of(local.block);
+    K.assign(std::size_t(width) * width, 0.0);
+    for (int p = 0; p < d; ++p)
+      for (int q = 0; q < d; ++q)
+        K[(d * local.place + p) * width + d * local.place + q] = local.share * node.stiffness * normal[p] * normal[q];
+    matrix->add(local.block, K.data());
   }
 }
 
-std::vector<Vec3> BoundaryConditions::pressure_forces(double time) const {
+bool BoundaryConditions::follows(const Pressure& spec) const {
+  return case_.kinematics == Kinematics::finite && spec.direction == Pressure::Direction::following;
+}
+
+bool BoundaryConditions::symmetric() const {
+  for (const Pressure& p : case_.pressures)
+    if (follows(p) || (case_.kinematics == Kinematics::finite && p.value.depends_on_place())) return false;
+  return std::none_of(case_.contacts.begin(), case_.contacts.end(),
+                      [](const Contact& c) { return c.kind == Contact::Kind::friction; });
+}
+
+/// a = J F^-T A, Nanson's formula; the cofactors of F are polynomials and have a value for every F.   [boundaries (6)]
+BoundaryConditions::PressureForce BoundaryConditions::pressure_force(const PressurePoint& point, double time,
+                                                                     const NodalVector& du) const {
+  const Pressure& spec = case_.pressures[point.load];
+  PressureForce p{0.0, point.area, point.anchor.x};
+  if (!acts(spec.stages)) return p;
+  if (case_.kinematics == Kinematics::finite) p.place += point.anchor.stencil.interpolate(du);
+  p.value = spec.value.at(time, p.place);
+  if (!follows(spec)) return p;
+  const Mat3 F = point.anchor.trial_F(du);
+  Mat3 cofactor;
+  for (int i = 0; i < 3; ++i) cofactor.row(i) = F.row((i + 1) % 3).cross(F.row((i + 2) % 3));
+  p.area = cofactor * point.area;
+  return p;
+}
+
+void BoundaryConditions::add_pressure(double time, const NodalVector& du, double factor, NodalVector& f,
+                                      BlockAssembler* matrix) const {
+  for (const PressurePoint& point : pressures_) {
+    const PressureForce p = pressure_force(point, time, du);
+    const Stencil& s = point.anchor.stencil;
+    for (int k = 0; k < s.n; ++k) f[s.node[k]] += factor * p.value * s.N[k] * p.area;
+    if (matrix) add_pressure_matrix(point, time, du, factor, *matrix);
+  }
+}
+
+/// d(p a)/d(u_J) = p (a (x) g_J - g_J (x) a) + a (x) grad p N_J   [boundaries (12)]
+void BoundaryConditions::add_pressure_matrix(const PressurePoint& point, double time, const NodalVector& du,
+                                             double factor, BlockAssembler& matrix) const {
+  const Pressure& spec = case_.pressures[point.load];
+  if (!acts(spec.stages)) return;
+  const bool follows_face = follows(spec);
+  const bool by_place = case_.kinematics == Kinematics::finite && spec.value.depends_on_place();
+  if (!follows_face && !by_place) return;
+  const PressureForce p = pressure_force(point, time, du);
+  const Stencil& s = point.anchor.stencil;
+  Vec3 slope = Vec3::Zero();
+  if (by_place)
+    for (int i = 0; i < dimension_; ++i) {
+      const Vec3 h = 1e-4 * cell_size_ * Vec3::Unit(i);
+      slope[i] = (spec.value.at(time, p.place + h) - spec.value.at(time, p.place - h)) / (2.0 * h[i]);
+    }
+  const Mat3 push = point.anchor.push(du);
+  const int d = dimension_, width = d * s.n;
+  std::vector<double> K(std::size_t(width) * width);
+  for (int J = 0; J < s.n; ++J) {
+    Mat3 change = p.area * slope.transpose() * s.N[J];
+    if (follows_face) {
+      const Vec3 g = push * s.gradient[J];
+      Vec3 dilation = g;  // around an axis the ring grows too
+      dilation.x() += push(2, 2) * s.hoop[J];
+      change += p.value * (p.area * dilation.transpose() - g * p.area.transpose());
+    }
+    for (int I = 0; I < s.n; ++I)
+      for (int i = 0; i < d; ++i)
+        for (int j = 0; j < d; ++j) K[(d * I + i) * width + d * J + j] = -factor * s.N[I] * change(i, j);
+  }
+  matrix.add(point.anchor.block, K.data());
+}
+
+std::vector<Vec3> BoundaryConditions::pressure_forces(double time, const NodalVector& du) const {
   std::vector<double> sums(3 * case_.pressures.size(), 0.0);
-  for (const PressurePoint& p : pressures_) {
-    const Vec3 force = force_of(p, time);
-    for (int i = 0; i < 3; ++i) sums[3 * p.load + i] += force[i];
+  for (const PressurePoint& point : pressures_) {
+    const PressureForce p = pressure_force(point, time, du);
+    for (int i = 0; i < 3; ++i) sums[3 * point.load + i] += p.value * p.area[i];
   }
   comm_.sum(sums);
   std::vector<Vec3> forces;
@@ -425,17 +573,19 @@ std::vector<Vec3> BoundaryConditions::pressure_forces(double time) const {
   return forces;
 }
 
+double BoundaryConditions::friction_work(const Discretisation& d, const NodalVector& du, double t0, double t1) const {
+  double heat = grid_contact_.work(d, du);
+  for (const ContactPoint& p : contacts_) heat += contact_force(p, du, t0, t1).heat;
+  return comm_.sum(heat);
+}
+
 void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
-  for (ContactPoint& p : contacts_) {
-    if (!acts(case_.contacts[p.contact].stages)) continue;
-    const Vec3 rigid = rigid_step(rigid_of_contact_[p.contact], t0, t1);
-    const Vec3 relative = p.anchor.stencil.interpolate(du) - rigid;
-    if (case_.contacts[p.contact].kind == Contact::Kind::tie) {
-      p.slip += relative;
-      continue;
-    }
-    const bool touches = p.gap + p.normal.dot(relative) < 0.0;
-    p.slip = touches ? Vec3(p.slip + relative - p.normal * p.normal.dot(relative)) : Vec3::Zero();
+  for (ContactPoint& p : contacts_) p.slip = contact_force(p, du, t0, t1).slip;
+  if (!inclined_.empty()) {
+    std::vector<double> push(inclined_.size(), 0.0);
+    for (const LocalInclined& local : local_inclined_) push[local.index] += local.share * push_of(local, du, t0, t1);
+    comm_.sum(push);
+    for (std::size_t k = 0; k < push.size(); ++k) inclined_[k].push = push[k];
   }
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
     if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(t1);
@@ -481,6 +631,10 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
     if (node < n_owned_ && moved_by_[node] < 0)
       sums[3 * (n_bodies + condition.boundary) + condition.component] += residual[node][condition.component];
   }
+  for (const LocalInclined& local : local_inclined_) {
+    const int boundary = inclined_[local.index].boundary;
+    add(n_bodies + boundary, -local.share * push_of(local, du, t0, t1) * *case_.boundaries[boundary].normal);
+  }
   comm_.sum(sums);
   const auto vector_at = [&](std::size_t index) {
     return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]);
@@ -488,15 +642,43 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
   Reactions out;
   for (std::size_t b = 0; b < n_bodies; ++b) out.rigid.push_back(vector_at(b));
   for (std::size_t b = 0; b < n_boundaries; ++b) out.boundary.push_back(vector_at(n_bodies + b));
+  if (by_place_) {
+    out.node.assign(conditions_.size(), 0.0);
+    for (const auto& [k, node] : local_conditions_)
+      if (node < n_owned_ && moved_by_[node] < 0) out.node[k] += residual[node][conditions_[k].component];
+    comm_.sum(out.node);
+  }
   return out;
+}
+
+double BoundaryConditions::support_work(const Reactions& before, const Reactions& now, double t0, double t1) const {
+  double work = 0.0;
+  for (std::size_t b = 0; b < case_.boundaries.size(); ++b) {
+    const NodeBoundary& spec = case_.boundaries[b];
+    const Vec3 mean = 0.5 * (now.boundary[b] + before.boundary[b]);
+    if (spec.normal) work += mean.dot(*spec.normal) * (spec.un.at(t1) - spec.un.at(t0));
+    if (spec.depends_on_place()) continue;
+    for (int i = 0; i < dimension_; ++i)
+      if (const auto& u = spec.u[i]) work += mean[i] * (u->at(t1) - u->at(t0));
+  }
+  for (std::size_t k = 0; k < now.node.size(); ++k) {
+    const NodeCondition& c = conditions_[k];
+    const NodeBoundary& spec = case_.boundaries[c.boundary];
+    if (!spec.depends_on_place()) continue;
+    const TimeFunction& u = *spec.u[c.component];
+    const double first = before.node.empty() ? 0.0 : before.node[k];
+    work += 0.5 * (now.node[k] + first) * (u.at(t1, c.at) - u.at(t0, c.at));
+  }
+  return work;
 }
 
 std::string BoundaryConditions::idle_boundary() const {
   std::vector<double> works(case_.boundaries.size(), 0.0);
   for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
+  for (const LocalInclined& local : local_inclined_) works[inclined_[local.index].boundary] += 1.0;
   comm_.sum(works);
-  for (const NodeCondition& k : conditions_)
-    if (works[k.boundary] == 0.0) return case_.boundaries[k.boundary].name;
+  for (std::size_t b = 0; b < works.size(); ++b)
+    if (works[b] == 0.0) return case_.boundaries[b].name;
   return "";
 }
 
@@ -506,12 +688,15 @@ namespace {
 
 void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero()) {
   rows.push_back(id);
-  for (const Vec3* v : {&a.x, &a.u, &slip}) rows.insert(rows.end(), v->data(), v->data() + 3);
+  for (const Vec3* v : {&a.x, &a.u}) rows.insert(rows.end(), v->data(), v->data() + 3);
+  rows.insert(rows.end(), a.F.data(), a.F.data() + 9);
+  rows.insert(rows.end(), slip.data(), slip.data() + 3);
 }
 
 void restore_anchor(Anchor& a, const double* row) {
   a.x = Vec3(row[1], row[2], row[3]);
   a.u = Vec3(row[4], row[5], row[6]);
+  std::copy_n(row + 7, 9, a.F.data());
 }
 
 /// The point of that number, or null if another process has it. Ids ascend.
@@ -537,6 +722,9 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
       append_row(rows, static_cast<int>(2 * g), gauges_[g].from);
       append_row(rows, static_cast<int>(2 * g + 1), gauges_[g].to);
     }
+  if (kind == 4 && comm_.is_root())
+    for (std::size_t k = 0; k < inclined_.size(); ++k)
+      append_row(rows, static_cast<int>(k), Anchor{}, Vec3(inclined_[k].push, 0.0, 0.0));
   return rows;
 }
 
@@ -547,7 +735,7 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
     if (kind == 0)
       if (ContactPoint* p = point_of(contacts_, id)) {
         restore_anchor(p->anchor, row);
-        p->slip = Vec3(row[7], row[8], row[9]);
+        p->slip = Vec3(row[16], row[17], row[18]);
       }
     if (kind == 1)
       if (PressurePoint* p = point_of(pressures_, id)) restore_anchor(p->anchor, row);
@@ -555,6 +743,7 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
       if (PinPoint* p = point_of(pins_, id)) restore_anchor(p->anchor, row);
     if (kind == 3 && id < 2 * static_cast<int>(gauges_.size()))
       restore_anchor(id % 2 == 0 ? gauges_[id / 2].from : gauges_[id / 2].to, row);
+    if (kind == 4 && id < static_cast<int>(inclined_.size())) inclined_[id].push = row[16];
   }
 }
 

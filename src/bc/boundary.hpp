@@ -1,9 +1,10 @@
 #pragma once
 /// Everything that holds or loads the bodies, for both methods: prescribed nodes, pins, pressures, contact with rigid
-/// bodies, gauges. Forces are linear in the step's increment except for contact that opens or closes.
+/// bodies, gauges.
 
 #include <map>
 
+#include "bc/grid_contact.hpp"
 #include "bc/surface.hpp"
 
 namespace berm {
@@ -12,7 +13,12 @@ namespace berm {
 struct Reactions {
   std::vector<Vec3> rigid;     ///< by case body; zero for deformable ones
   std::vector<Vec3> boundary;  ///< by case boundary; each component only where it is prescribed
+  std::vector<double> node;    ///< by prescribed component of a node, if a displacement depends on the place
 };
+
+/// Fields of the grid that the bodies of a case need, by body: every body in contact with another deformable one has its
+/// own, all others share 0.
+std::vector<int> fields_of_bodies(const Case& c);
 
 class BoundaryConditions {
 public:
@@ -41,9 +47,13 @@ public:
   std::vector<double> prescribed_increment(double t0, double t1) const;
 
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
-  void add_forces(const NodalVector& du, double t0, double t1, NodalVector& f, BlockAssembler* matrix) const;
-  /// Pressure forces at that time, where the surface is at t_n, added to f.
-  void add_pressure(double time, NodalVector& f) const;
+  void add_forces(const Discretisation& d, const NodalVector& du, double t0, double t1, NodalVector& f,
+                  BlockAssembler* matrix) const;
+  /// Pressure forces at that time on the surface as du has moved it, times factor, added to f; what they take from the
+  /// matrix, if wanted.
+  void add_pressure(double time, const NodalVector& du, double factor, NodalVector& f, BlockAssembler* matrix) const;
+  /// True if the matrices of all these forces are symmetric.
+  bool symmetric() const;
 
   /// Contact state at the end of the step, before the anchors move; gauges once they have. Collective.
   void commit(const NodalVector& du, double t0, double t1);
@@ -52,8 +62,12 @@ public:
   /// What supports and rigid bodies do to the material at the increment du, whose nodal residual (complete at owned
   /// nodes) is given. Collective.
   Reactions reactions(const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
-  /// Total force of every pressure at that time, where the surface is at t_n [N]. Collective.
-  std::vector<Vec3> pressure_forces(double time) const;
+  /// Work of the supports in the step, by the trapezoidal rule [J].   [formulation (21)]
+  double support_work(const Reactions& before, const Reactions& now, double t0, double t1) const;
+  /// Total force of every pressure at that time on the surface as du has moved it [N]. Collective.
+  std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
+  /// Heat of sliding contact in the step [J], of all processes. Collective.
+  double friction_work(const Discretisation& d, const NodalVector& du, double t0, double t1) const;
 
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.
@@ -62,9 +76,10 @@ public:
   /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.
   std::string idle_boundary() const;
 
-  /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins, 3 gauges (process 0 only).
-  static constexpr int n_kinds = 4;
-  static constexpr int row_width = 10;  ///< id, x, u, slip
+  /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
+  /// gauges, 4 inclined boundaries.
+  static constexpr int n_kinds = 5;
+  static constexpr int row_width = 19;  ///< id, x, u, F, slip
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
   void restore(int kind, const std::vector<double>& rows);
@@ -74,16 +89,39 @@ public:
 private:
   struct NodeCondition {
     int node, component, boundary;  ///< node of the mesh
+    Vec3 at;                        ///< place of the node
   };
-  /// Force on the body at a contact point and its stiffness.
+  /// A node that is held along a normal by a penalty, alike on every process.
+  struct InclinedNode {
+    int node, boundary;  ///< node of the mesh, in its field
+    double stiffness;    ///< [N/m]
+    double push = 0.0;   ///< force of the node against the support at t_n [N]
+  };
+  /// An inclined node among the local ones.
+  struct LocalInclined {
+    int index;               ///< into inclined_
+    int node, block, place;  ///< local node, a block that has it, its place there
+    double share;            ///< 1 / processes that have it
+  };
+  /// Force on the body at a contact point, its stiffness, and what is kept from it.
   struct ContactForce {
-    Vec3 force;
-    Mat3 stiffness;
-    bool active;
+    Vec3 force = Vec3::Zero();
+    Mat3 stiffness = Mat3::Zero();
+    bool active = false;
+    Vec3 slip = Vec3::Zero();  ///< elastic, at the end of the step [m]
+    double heat = 0.0;         ///< [J]
+  };
+  /// A pressure at the trial increment.
+  struct PressureForce {
+    double value;  ///< [Pa]
+    Vec3 area;     ///< [m2], towards the body
+    Vec3 place;    ///< [m]
   };
 
   void read_boundaries(const Case& c, const Discretisation& d);
-  void prescribe(int node, int component, int boundary);
+  void prescribe(int node, const Vec3& at, int component, int boundary);
+  void find_inclined(const Discretisation& d);
+  double push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const;
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
   void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
@@ -92,7 +130,11 @@ private:
   void travel(std::vector<Point>& points, const Discretisation& d);
   void share_nodes(const Discretisation& d);
   Vec3 rigid_step(int body, double t0, double t1) const;
-  Vec3 force_of(const PressurePoint& point, double time) const;
+  bool follows(const Pressure& spec) const;
+  PressureForce pressure_force(const PressurePoint& point, double time, const NodalVector& du) const;
+  /// d(value area)/d(du) by nodes and components, times the value of the shape functions: a block.
+  void add_pressure_matrix(const PressurePoint& point, double time, const NodalVector& du, double factor,
+                           BlockAssembler& matrix) const;
   ContactForce contact_force(const ContactPoint& point, const NodalVector& du, double t0, double t1) const;
 
   const Case& case_;
@@ -100,6 +142,9 @@ private:
   int dimension_ = 2;
   double cell_size_ = 0.0;
   std::vector<NodeCondition> conditions_;
+  GridContact grid_contact_;  ///< of the stage
+  std::vector<InclinedNode> inclined_;
+  bool by_place_ = false;  ///< a prescribed displacement depends on the place
   std::map<std::pair<int, int>, std::vector<int>> boundaries_at_;  ///< node, component -> boundaries, while reading
   std::vector<PressurePoint> pressures_;
   std::vector<ContactPoint> contacts_;
@@ -117,6 +162,7 @@ private:
   // of the step
   std::vector<char> fixed_;
   std::vector<std::pair<int, int>> local_conditions_;  ///< index into conditions_, local node
+  std::vector<LocalInclined> local_inclined_;
   std::vector<int> moved_by_;  ///< local node -> contact whose rigid body moves it, whatever a boundary says, or -1
   int n_owned_ = 0;
   long n_free_ = 0, connectivity_ = -1;

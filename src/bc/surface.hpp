@@ -38,7 +38,7 @@ struct ContactPoint {
   Anchor anchor;
   int id = 0, contact = 0;     ///< contact: index into the case's contacts
   double stiffness = 0.0;      ///< penalty times area [N/m]
-  Vec3 slip = Vec3::Zero();    ///< relative displacement since touch, t_n [m]
+  Vec3 slip = Vec3::Zero();    ///< relative displacement since touch, with friction its elastic part, t_n [m]
   Vec3 normal = Vec3::Zero();  ///< outward normal of the rigid body, frozen in the step
   double gap = 0.0;            ///< at t_n, frozen normal [m]
 };

@@ -34,6 +34,10 @@ struct Where {
     double from, to;  ///< counter-clockwise from the x axis, seen against z [rad]
   };
   std::optional<Sector> sector;
+  struct HalfSpace {
+    Vec3 at, normal;
+  };
+  std::optional<HalfSpace> beyond;  ///< on the side of a plane to which its normal points
 };
 
 struct Material {
@@ -71,7 +75,15 @@ struct NodeBoundary {
   std::string name;
   Where where;
   std::array<std::optional<TimeFunction>, 3> u;  ///< ux, uy, uz: displacement [m]; absent: free
+  std::optional<Vec3> normal;                    ///< of an inclined slip boundary
+  TimeFunction un;                               ///< displacement along it [m]
   Stages stages;
+
+  bool depends_on_place() const {
+    for (const auto& f : u)
+      if (f && f->depends_on_place()) return true;
+    return false;
+  }
 };
 
 /// Held material points (any place inside a body): removes rigid motion where no boundary does.
@@ -83,24 +95,30 @@ struct Pin {
 };
 
 /// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
-/// material; direction and area are those of the reference state.
+/// material.
 struct Pressure {
   std::string name, body;
   Where where;
   TimeFunction value;  ///< positive pushes into the body [Pa]
+  enum class Direction {
+    following,  ///< finite kinematics: direction and area are those of the deformed face
+    dead        ///< those of the reference state
+  } direction = Direction::following;
   Stages stages;
 };
 
-/// A deformable body's surface against a rigid body.
+/// A deformable body's surface against a rigid body, or against another deformable one at the nodes of the grid.
 struct Contact {
-  std::string name, body, rigid;
+  std::string name, body, rigid, other;  ///< one of rigid and other
   enum class Kind {
     tie,           ///< surfaces that touch at the start move together, both ways
     no_slip,       ///< unilateral; no sliding while in touch
     frictionless,  ///< unilateral; free sliding
+    friction,      ///< unilateral; slides where the shear reaches Coulomb's limit
     shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
   double stiffness = 1000.0;  ///< penalty in units of E/h [-]
+  double friction = 0.0;      ///< Coulomb's coefficient, with Kind::friction [-]
   Stages stages;
 };
 
@@ -260,20 +278,25 @@ struct Case {
   bool is_dynamic() const {
     return std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.steps.analysis == Analysis::dynamic; });
   }
+  bool has_friction() const {
+    return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.kind == Contact::Kind::friction; });
+  }
   std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
   std::vector<std::string> warnings;
 };
 
-/// Calls f with every motion of a case and its gravity: the functions of time that may not depend on the place.
+/// Calls f with every motion of a case and its gravity. Only prescribed displacements of nodes may depend on the place.
 template <class AnyCase, class F>
 void for_each_motion(AnyCase& c, F f) {
   for (auto& component : c.gravity.component) f(component);
   for (auto& body : c.bodies)
     for (auto* motion : {&body.displacement, &body.acceleration})
       for (auto& component : motion->component) f(component);
-  for (auto& boundary : c.boundaries)
+  for (auto& boundary : c.boundaries) {
     for (auto& u : boundary.u)
       if (u) f(*u);
+    f(boundary.un);
+  }
 }
 
 }  // namespace berm

@@ -110,7 +110,12 @@ private:
     for (const Contact& contact : c_.contacts) {
       const Scope scope = at("contact", contact.name);
       refer_body(scope, "body", contact.body, false);
-      refer_body(scope, "rigid", contact.rigid, true);
+      if (contact.other.empty()) {
+        refer_body(scope, "rigid", contact.rigid, true);
+        continue;
+      }
+      refer_body(scope, "other", contact.other, false);
+      if (c_.method == Method::fem) scope.error("other", "needs a background grid (method \"mpm\")");
     }
   }
 
@@ -136,6 +141,11 @@ private:
     refer_one(scope, "load", nominal.load, "rigid body, boundary or pressure", sources, names_of(c_.pressures));
     refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
               names_of(c_.output.gauges));
+    for (const NodeBoundary& b : c_.boundaries)
+      if (b.name == nominal.displacement && b.depends_on_place())
+        scope.explain("displacement", fmt::format("the displacement of boundary \"{}\" differs from node to node; take "
+                                                  "a gauge",
+                                                  b.name));
   }
 
   /// Like refer(), and the name may mean one thing only.

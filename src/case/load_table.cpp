@@ -36,6 +36,17 @@ Table<Where::Sector> sector_table() {
   return t;
 }
 
+Table<Where::HalfSpace> half_space_table() {
+  using HalfSpace = Where::HalfSpace;
+  Table<HalfSpace> t("Everything on one side of an inclined line (in space: plane).");
+  t.vector("at", &HalfSpace::at, Unit::length, "a place on it; to catch what lies on it, a little before it").required();
+  t.vector("normal", &HalfSpace::normal, Unit::none, "points to the side that is meant").required();
+  t.check([](Scope& s, HalfSpace& h) {
+    if (h.normal.isZero()) s.error("normal", "must not be zero");
+  });
+  return t;
+}
+
 Table<Where> where_table() {
   Table<Where> t("Where it acts: inside all of these that are given.");
   t.table(
@@ -44,7 +55,8 @@ Table<Where> where_table() {
   t.string("group", &Where::group, "name of a physical curve (in space: surface)",
            "nodes of that curve of the Gmsh file of the grid or body");
   t.table("sector", &Where::sector, sector_table());
-  t.check([](Scope& s, Where&) { s.at_least_one({"box", "group", "sector"}); });
+  t.table("beyond", &Where::beyond, half_space_table());
+  t.check([](Scope& s, Where&) { s.at_least_one({"box", "group", "sector", "beyond"}); });
   return t;
 }
 
@@ -74,18 +86,34 @@ auto component(std::size_t i) {
 
 Table<NodeBoundary> boundary_table() {
   Table<NodeBoundary> t(
-      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`.");
+      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`, or a "
+      "`normal`.");
   t.table("where", &NodeBoundary::where, where_table()).required();
-  t.function("ux", component(0), Unit::length, false,
-             "displacement along x; a number is reached linearly at the end of the first stage; free without it");
-  t.function("uy", component(1), Unit::length, false,
-             "displacement along y; a number is reached linearly at the end of the first stage; free without it");
-  t.function("uz", component(2), Unit::length, false,
-             "displacement along z; a number is reached linearly at the end of the first stage; free without it");
-  t.only_in_space();
-  t.check([](Scope& s, NodeBoundary&) {
-    if (s.dimension() == 2) return s.at_least_one({"ux", "uy"});
-    s.at_least_one({"ux", "uy", "uz"});
+  t.function("ux", component(0), Unit::length, true,
+             "displacement along x; a number is reached linearly at the end of the first stage; in expressions x, y, z are the "
+             "place of the node at the start; free without it");
+  t.only([](const Scope& s, const NodeBoundary&) { return !s.has("normal"); }, "without \"normal\"");
+  t.function("uy", component(1), Unit::length, true,
+             "displacement along y; a number is reached linearly at the end of the first stage; in expressions x, y, z are the "
+             "place of the node at the start; free without it");
+  t.only([](const Scope& s, const NodeBoundary&) { return !s.has("normal"); }, "without \"normal\"");
+  t.function("uz", component(2), Unit::length, true,
+             "displacement along z; a number is reached linearly at the end of the first stage; in expressions x, y, z are the "
+             "place of the node at the start; free without it");
+  t.only([](const Scope& s, const NodeBoundary&) { return s.dimension() == 3 && !s.has("normal"); },
+         "in space ([model] dimension = 3) and without \"normal\"");
+  t.vector("normal", &NodeBoundary::normal, Unit::none,
+           "for nodes on an inclined line or plane: they move along it freely and by `un` in this direction");
+  t.function("un", &NodeBoundary::un, Unit::length, false,
+             "displacement along the normal; a number is reached linearly at the end of the first stage");
+  t.only_with("normal");
+  t.check([](Scope& s, NodeBoundary& b) {
+    if (s.dimension() == 2)
+      s.at_least_one({"ux", "uy", "normal"});
+    else
+      s.at_least_one({"ux", "uy", "uz", "normal"});
+    if (b.normal && b.normal->isZero()) s.error("normal", "must not be zero");
+    if (b.normal) b.normal->normalize();
   });
   add_stages(t);
   return t;
@@ -102,32 +130,51 @@ Table<Pin> pin_table() {
 
 Table<Pressure> pressure_table() {
   Table<Pressure> t(
-      "Pressure on the surface of a body. The loaded points move with the material; direction and area are those of "
-      "the reference state.");
+      "Pressure on the surface of a body. The loaded points move with the material.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
              "positive pushes into the body; a number is reached linearly at the end of the first stage, or holds from the start if that is dynamic")
       .required();
+  using Direction = Pressure::Direction;
+  t.choice("direction", &Pressure::direction,
+           Words<Direction>{{"following", Direction::following}, {"dead", Direction::dead}},
+           "following: stays normal to the deforming face and acts on its present area (finite kinematics; in small "
+           "strain there is no difference); dead: direction and area of the reference state");
   add_stages(t);
   return t;
 }
 
 Table<Contact> contact_table() {
   using Kind = Contact::Kind;
-  Table<Contact> t("A deformable body's surface against a rigid body.");
+  Table<Contact> t(
+      "A deformable body's surface against a rigid body, or against another deformable one (mpm), from which it then can "
+      "part. One of `rigid` and `other`.");
   t.string("body", &Contact::body, "name of a deformable body", "the body").required();
-  t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches").required();
+  t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches");
+  t.string("other", &Contact::other, "name of a deformable body", "what it touches, with kind friction or frictionless");
   t.choice("kind", &Contact::kind,
            std::vector<std::pair<std::string, Kind>>{{"tie", Kind::tie},
                                                      {"no_slip", Kind::no_slip},
                                                      {"frictionless", Kind::frictionless},
+                                                     {"friction", Kind::friction},
                                                      {"shared_nodes", Kind::shared_nodes}},
            "tie: surfaces that touch at the start move together; no_slip: can open, no sliding; frictionless: can open "
-           "and slide; shared_nodes (mpm): the grid nodes around the rigid body's points move with it");
+           "and slide; friction: can open, slides where the shear reaches `friction` times the pressure; shared_nodes (mpm): "
+           "the grid nodes around the rigid body's points move with it");
+  t.number("friction", &Contact::friction, Unit::none, positive(),
+           "Coulomb's coefficient of friction, the tangent of the friction angle")
+      .required();
+  t.only([](const Scope&, const Contact& c) { return c.kind == Kind::friction; }, "with kind = \"friction\"");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
            "penalty in units of Young's modulus over cell size");
   add_stages(t);
+  t.check([](Scope& s, Contact& c) {
+    s.exactly_one({"rigid", "other"});
+    if (!c.other.empty() && c.kind != Kind::friction && c.kind != Kind::frictionless)
+      s.error("kind", "must be \"friction\" or \"frictionless\" between two deformable bodies");
+    if (c.other == c.body) s.error("other", "must not be the body itself");
+  });
   return t;
 }
 

@@ -341,6 +341,15 @@ void FemDiscretisation::attach(Anchor& a) const {
   a.block = block;
   a.stencil.n = shape.n;
   a.stencil.N = shape.N;
+  const Mat3 by_X = fem::jacobian(mesh_, a.cell, shape).inverse().transpose();
+  for (int k = 0; k < shape.n; ++k) a.stencil.gradient[k] = by_X * shape.dN[k];
+  if (space_ == Space::axisymmetric) {
+    const double radius = fem::place(mesh_, a.cell, shape).x();
+    const bool on_axis = radius < 1e-9 * cell_size_;
+    for (int k = 0; k < shape.n; ++k)
+      a.stencil.hoop[k] = on_axis ? a.stencil.gradient[k].x() : shape.N[k] / radius;
+  }
+  a.by_reference = true;
   std::copy(list.begin(), list.end(), a.stencil.node.begin());
 }
 

@@ -53,6 +53,7 @@ public:
   void add_diagonal(int unknown, double value);
   /// Multiplies everything added so far, prescribed_force() too.
   void scale(double factor);
+  int nodes_of(int block) const { return static_cast<int>(blocks_[block].size()); }
   /// Last column / last row of a bordered system, in the order of Border's lists.
   void set_border(const std::vector<double>& column, const std::vector<double>& row);
   CsrMatrix& matrix() { return matrix_; }

@@ -6,6 +6,7 @@
 /// then ghosts, which it touches but another owns (`halo`). Kernels add what this process has to say; the driver adds
 /// ghosts to owners.
 
+#include <Eigen/LU>
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,8 +29,23 @@ struct Anchor {
   Stencil stencil;             ///< nodes of the step that carry it
   int block = -1;              ///< block (cell) that contains those nodes
   int cell = -1;               ///< last known cell, a hint
+  Mat3 F = Mat3::Identity();   ///< deformation gradient since the start; stays I in small strain
+  bool by_reference = false;   ///< the stencil's gradients are by the coordinates of the start, not by those at t_n
   bool rigid = false;          ///< belongs to a rigid body: its cell needs no stabilisation
   Vec3 inward = Vec3::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
+
+  /// Deformation gradient after the increment du.   [formulation (5), (11), (25)]
+  template <class Field>
+  Mat3 trial_F(const Field& du) const {
+    const Mat3 grad = stencil.gradient_of(du);
+    return by_reference ? Mat3(F + grad) : Mat3((Mat3::Identity() + grad) * F);
+  }
+  /// From the stencil's gradients to those of the configuration after du: F^-T or dF^-T.
+  template <class Field>
+  Mat3 push(const Field& du) const {
+    const Mat3 grad = stencil.gradient_of(du);
+    return (by_reference ? Mat3(F + grad) : Mat3(Mat3::Identity() + grad)).inverse().transpose();
+  }
 };
 
 /// A place of the grid where two fields have a node each: there their bodies may touch.   [contact (1) - (3)]

@@ -12,11 +12,23 @@ struct Stencil {
   int n = 0;
   std::array<int, 20> node{};
   std::array<double, 20> N{};
+  std::array<Vec3, 20> gradient;    ///< of N [1/m]
+  std::array<double, 20> hoop{};    ///< around an axis: hoop strain of a unit radial displacement [1/m]; else 0
 
   template <class Field>
   Vec3 interpolate(const Field& field) const {
     Vec3 value = Vec3::Zero();
     for (int k = 0; k < n; ++k) value += N[k] * field[node[k]];
+    return value;
+  }
+  /// Gradient of a field of vectors, d(field_i)/d(x_j).
+  template <class Field>
+  Mat3 gradient_of(const Field& field) const {
+    Mat3 value = Mat3::Zero();
+    for (int k = 0; k < n; ++k) {
+      value += field[node[k]] * gradient[k].transpose();
+      value(2, 2) += hoop[k] * field[node[k]].x();
+    }
     return value;
   }
 };

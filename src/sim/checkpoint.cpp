@@ -133,8 +133,10 @@ void save_checkpoint(const std::string& path, const World& world, const QuasiSta
   file.write_number("damped", balance.damped);
   file.write_number("kinetic", balance.kinetic);
   file.write_number("kinetic_at_start", balance.kinetic_at_start);
+  file.write_number("friction_work", balance.friction_work);
   file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
   file.write("forces/boundary", from_root(comm, flat(balance.reactions.boundary)), 3);
+  file.write("forces/node", from_root(comm, balance.reactions.node));
   file.write("forces/pressure", from_root(comm, flat(balance.pressure_force)), 3);
 
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)
@@ -172,8 +174,10 @@ void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& ste
   balance.damped = file.read_number("damped");
   balance.kinetic = file.read_number("kinetic");
   balance.kinetic_at_start = file.read_number("kinetic_at_start");
+  balance.friction_work = file.read_number("friction_work");
   balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
   balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));
+  balance.reactions.node = read_all(file, "forces/node");
   balance.pressure_force = vectors(read_all(file, "forces/pressure", 3));
   step.restore(balance);
 

@@ -52,11 +52,12 @@ int QuasiStaticStep::n_mine() const {
 void QuasiStaticStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
   settings_.integration = integration;
-  const bool symmetric = gauge_ < 0 && (integration != Integration::implicit || all_elastic(d.material));
+  const bool symmetric =
+      gauge_ < 0 && world_.boundary->symmetric() && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
     if (!world_.step_begun) world_.begin_step();
-    if (gauge_ >= 0) pressure_ = pressure_at(world_.spec.duration());
+    if (gauge_ >= 0) pressure_ = pressure_at(load_time(), no_motion());
     prepared_ = true;
     motion_ready_ = false;
   }
@@ -64,11 +65,15 @@ void QuasiStaticStep::prepare(Integration integration) {
   lay_out(symmetric);
 }
 
+NodalVector QuasiStaticStep::no_motion() const {
+  return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero());
+}
+
 /// Complete at owned nodes.
-NodalVector QuasiStaticStep::pressure_at(double time) const {
+NodalVector QuasiStaticStep::pressure_at(double time, const NodalVector& du) const {
   const Discretisation& d = *world_.discretisation;
-  NodalVector f(d.n_nodes(), Vec3::Zero());
-  world_.comm.agree([&] { world_.boundary->add_pressure(time, f); });
+  NodalVector f = no_motion();
+  world_.comm.agree([&] { world_.boundary->add_pressure(time, du, 1.0, f, nullptr); });
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }
@@ -100,7 +105,7 @@ void QuasiStaticStep::lay_out(bool symmetric) {
     world_.boundary->add_gauge_functional(gauge_, functional_);
     for (int k = 0; k < dimension_ * d.n_nodes(); ++k) {
       const bool mine = k < dimension_ * d.halo.n_owned;  // the complete pressure stands at the owner
-      if (mine && pressure_[k / dimension_][k % dimension_] != 0.0) border.column_rows.push_back(k);
+      if (mine && !pressure_[k / dimension_].isZero(0.0)) border.column_rows.push_back(k);  // they may turn
       if (functional_[k / dimension_][k % dimension_] != 0.0) border.row_columns.push_back(k);
     }
   }
@@ -158,8 +163,8 @@ void QuasiStaticStep::sum_forces() {
   const Discretisation& d = *world_.discretisation;
   force_ = internal_force();
   external_ = weight_;
-  const double factor = gauge_ >= 0 ? load_factor_ : 1.0;
-  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += factor * pressure_[i];
+  pressure_ = pressure_at(load_time(), du_);
+  for (std::size_t i = 0; i < external_.size(); ++i) external_[i] += pressure_factor() * pressure_[i];
   force_scale_ = std::max(norm(force_), norm(external_));
   NodalVector resisting(d.n_nodes(), Vec3::Zero());
   if (motion_) {
@@ -168,7 +173,7 @@ void QuasiStaticStep::sum_forces() {
     motion_->add_forces(d, du_, resisting, nullptr);
   }
   d.add_stabilisation(du_, resisting, nullptr);
-  world_.boundary->add_forces(du_, t0_, t1_, resisting, nullptr);
+  world_.boundary->add_forces(d, du_, t0_, t1_, resisting, nullptr);
   d.halo.add_to_owners(resisting.data()->data(), 3);
   for (std::size_t i = 0; i < force_.size(); ++i) force_[i] += resisting[i] - external_[i];
 }
@@ -223,7 +228,9 @@ void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
     motion_->add_forces(d, du_, unused, &assembler_);
   }
   d.add_stabilisation(du_, unused, &assembler_);
-  world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
+  world_.boundary->add_forces(d, du_, t0_, t1_, unused, &assembler_);
+  const double weight = motion_ ? motion_->new_weight() : 1.0;
+  world_.boundary->add_pressure(load_time(), du_, weight * pressure_factor(), unused, &assembler_);
   if (gauge_ < 0) return;
   std::vector<double> column, row;
   for (int k : border_.column_rows) column.push_back(fixed[k] ? 0.0 : -pressure_[k / dimension_][k % dimension_]);
@@ -297,7 +304,7 @@ void QuasiStaticStep::forces_at_start() {
   d.evaluate(du_, settings_);
   old_internal_ = internal_force();
   old_external_ = weight_at(t0_);
-  const NodalVector pressure = pressure_at(t0_);
+  const NodalVector pressure = pressure_at(t0_, du_);
   for (std::size_t i = 0; i < pressure.size(); ++i) old_external_[i] += pressure[i];
 }
 
@@ -305,7 +312,7 @@ void QuasiStaticStep::forces_at_start() {
 void QuasiStaticStep::start_acceleration() {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
-  world_.boundary->add_forces(du_, t0_, t0_, f, nullptr);
+  world_.boundary->add_forces(d, du_, t0_, t0_, f, nullptr);
   d.halo.add_to_owners(f.data()->data(), 3);
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
   d.halo.copy_to_ghosts(f.data()->data(), 3);
@@ -339,7 +346,9 @@ NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bo
 
 /// Throws, on all processes alike, if a motion has no value at the end of the step.
 void QuasiStaticStep::check_motions() const {
-  for_each_motion(world_.spec, [this](const TimeFunction& f) { f.at(t1_); });
+  for_each_motion(world_.spec, [this](const TimeFunction& f) {
+    if (!f.depends_on_place()) f.at(t1_);
+  });
 }
 
 StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
@@ -349,9 +358,8 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
   t1_ = world_.time + dt;
   settings_.dt = dt;
   check_motions();
-  if (gauge_ < 0) pressure_ = pressure_at(t1_);
   weight_ = weight_at(t1_);
-  prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);
+  world_.comm.agree([&] { prescribed_ = world_.boundary->prescribed_increment(t0_, t1_); });
   if (motion_) begin_motion(dt);
   du_.assign(world_.discretisation->n_nodes(), Vec3::Zero());
   cached_r_.clear();
@@ -412,21 +420,15 @@ void QuasiStaticStep::accept() {
     if (c.bodies[b].rigid)
       work += 0.5 *
               (now.rigid[b] + before.rigid[b]).dot(c.bodies[b].displacement.at(t1_) - c.bodies[b].displacement.at(t0_));
-  for (std::size_t b = 0; b < c.boundaries.size(); ++b)
-    for (int i = 0; i < dimension_; ++i)
-      if (const auto& u = c.boundaries[b].u[i])
-        work += 0.5 * (now.boundary[b] + before.boundary[b])[i] * (u->at(t1_) - u->at(t0_));
+  work += bc.support_work(before, now, t0_, t1_);
   balance_.reactions = now;
-  if (gauge_ >= 0) {
-    work += 0.5 * (load_factor_ + world_.load_factor) * dot(pressure_, du_);
-    balance_.pressure_force = bc.pressure_forces(c.duration());
-    for (Vec3& force : balance_.pressure_force) force *= load_factor_;
-  } else {
-    work += 0.5 * (dot(pressure_at(t0_), du_) + dot(pressure_, du_));
-    balance_.pressure_force = bc.pressure_forces(t1_);
-  }
+  const double time_before = gauge_ >= 0 ? load_time() : t0_, factor_before = gauge_ >= 0 ? world_.load_factor : 1.0;
+  work += 0.5 * (factor_before * dot(pressure_at(time_before, no_motion()), du_) + pressure_factor() * dot(pressure_, du_));
+  balance_.pressure_force = bc.pressure_forces(load_time(), du_);
+  for (Vec3& force : balance_.pressure_force) force *= pressure_factor();
   if (has_weight()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
+  balance_.friction_work += bc.friction_work(d, du_, t0_, t1_);
   if (motion_) accept_motion();
 
   bc.commit(du_, t0_, t1_);

@@ -28,6 +28,7 @@ struct Balance {
   double external_work = 0.0;        ///< since the start [J]
   double damped = 0.0;               ///< taken by damping forces since the start [J]
   double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
+  double friction_work = 0.0;        ///< heat of sliding contact since the start [J]
 };
 
 /// Seconds spent since the start.
@@ -71,7 +72,11 @@ private:
   std::vector<double> velocity_of_prescribed(double t0, double t1) const;
   bool first_guess(std::vector<double>& x, int& iterations, Integration integration);
   std::vector<double> unknowns_of(const NodalVector& du) const;
-  NodalVector pressure_at(double time) const;
+  NodalVector no_motion() const;
+  NodalVector pressure_at(double time, const NodalVector& du) const;
+  /// Pressures count at this time, times this factor.
+  double load_time() const { return gauge_ >= 0 ? world_.spec.duration() : t1_; }
+  double pressure_factor() const { return gauge_ >= 0 ? load_factor_ : 1.0; }
   NodalVector weight_at(double time) const;
   bool has_weight() const;
   void sum_forces();

@@ -38,6 +38,7 @@ unsigned char vtk_type(CellKind kind) {
 
 Vec3 motion_of(const NodeBoundary& b, double time) {
   Vec3 u = Vec3::Zero();
+  if (b.normal) u = b.un.at(time) * *b.normal;
   for (int i = 0; i < 3; ++i)
     if (b.u[i]) u[i] = b.u[i]->at(time);
   return u;
@@ -115,6 +116,7 @@ void Recorder::fit_probes() {
 std::vector<std::string> Recorder::columns() const {
   std::vector<std::string> names = standard_history_columns();
   if (world_.spec.is_dynamic()) names.insert(names.end(), {"kinetic_energy [J]", "damping_energy [J]"});
+  if (world_.spec.has_friction()) names.push_back("friction_energy [J]");
   for (const Gauge& g : world_.spec.output.gauges) names.push_back("gauge:" + g.name + " [m]");
   for (const NamedProbe& p : probes_)
     names.push_back(fmt::format("probe:{} [{}]", p.spec.name, unit_of(p.spec.quantity)));
@@ -242,7 +244,8 @@ double Recorder::dissipated_energy() const {
 double Recorder::energy_error(double stored, double dissipated) const {
   const Balance& b = step_.balance();
   const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
-  const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped;
+  const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped -
+                         b.friction_work;
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
@@ -268,6 +271,7 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
                              result.extrapolation_error,
                              double(static_cast<int>(integration))};
   if (world_.spec.is_dynamic()) row.insert(row.end(), {step_.balance().kinetic, step_.balance().damped});
+  if (world_.spec.has_friction()) row.push_back(step_.balance().friction_work);
   for (const GaugeLine& g : world_.boundary->gauges()) row.push_back(g.elongation());
   const std::vector<double> probes = probe_values();
   row.insert(row.end(), probes.begin(), probes.end());

@@ -88,6 +88,8 @@ Grid make_grid(const Case& c) {
 void build_mpm(World& w) {
   const Case& c = w.spec;
   auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm);
+  const std::vector<int> field = fields_of_bodies(c);
+  mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
   std::vector<SurfacePoint> surface;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {

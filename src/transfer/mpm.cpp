@@ -465,7 +465,13 @@ void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) const {
     for (int k = 0; k < shape.n; ++k) {
       a->stencil.node[k] = local_node_[shape.nodes[k] + field_of(layered) * grid_.mesh.n_nodes()];
       a->stencil.N[k] = shape.N[k];
+      a->stencil.gradient[k] = shape.grad[k];
+      if (space_ == Space::axisymmetric) {
+        const double r = seen(*a).x();
+        a->stencil.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
+      }
     }
+    a->by_reference = total_lagrangian_;
   }
 }
 
@@ -681,7 +687,9 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
   for (Anchor* a : anchors) {
     const Vec3 step = a->stencil.interpolate(du);
     a->u += step;
-    if (move) a->x += step;
+    if (!move) continue;
+    a->F = a->trial_F(du);
+    a->x += step;
   }
 }
 

@@ -567,8 +567,9 @@ TEST_F(Checkpoint, RefusesOtherFilesAlike) {
     H5Aclose(attribute);
     H5Fclose(h5);
   });
-  EXPECT_EQ(refusal(), "input: " + file + " is a checkpoint in version 2 of the format, from a later berm; this one " +
-                           "reads up to version 1");
+  EXPECT_EQ(refusal(), "input: " + file + " is a checkpoint in version " + std::to_string(checkpoint_version + 1) +
+                           " of the format, from a later berm; this one reads up to version " +
+                           std::to_string(checkpoint_version));
 }
 
 TEST_F(Checkpoint, FailsAlike) {

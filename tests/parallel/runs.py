@@ -413,6 +413,95 @@ load = "pull"
 displacement = "pull"
 direction = [1.0, 0.0, 0.0]
 """
+# Pressures that follow a soft block and depend on the place, friction on the floor, a stamp that pushes.
+SLIDING = """
+[model]
+plane = "strain"
+gravity = [0.0, "-9.81*min(t/0.2,1)"]
+[grid]
+origin = [-1.0, -0.25]
+cell_size = 0.125
+cells = [20, 12]
+[material.rubber]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.3
+[body.block]
+material = "rubber"
+shape.box = { min = [-0.5, 0.0], max = [0.53, 1.0] }
+[body.floor]
+rigid = true
+shape.box = { min = [-1.0, -0.2], max = [1.5, 0.0] }
+[body.stamp]
+rigid = true
+shape.box = { min = [-0.8, 0.1], max = [-0.5, 0.4] }
+displacement = ["0.05*max(t-0.2,0)", 0.0]
+[contact.bottom]
+body = "block"
+rigid = "floor"
+kind = "friction"
+friction = 0.3
+stiffness = 100.0
+[contact.side]
+body = "block"
+rigid = "stamp"
+kind = "frictionless"
+stiffness = 100.0
+[pressure.top]
+body = "block"
+where.box.min = [-1.0, 0.95]
+value = "3e4*(1+x)*min(t,0.5)"
+[gauge.width]
+from = [-0.4, 0.3]
+to = [0.4, 0.3]
+[steps]
+count = 20
+adaptive = false
+[output]
+frames = 4
+[output.nominal]
+load = "stamp"
+displacement = "stamp"
+direction = [1.0, 0.0]
+"""
+# A turned grid whose lines slip, and a base that moves as a function of the place.
+INCLINED = f"""
+[model]
+plane = "strain"
+gravity = [0.0, -9.81]
+[grid]
+cell_size = 0.1
+cells = [10, 12]
+angle = 30.0
+{ROCK}
+[body.block]
+material = "rock"
+shape.polygon = [[0.0, 0.0], [0.8660254037844387, 0.5], [0.3660254037844387, 1.3660254037844386], [-0.5, 0.8660254037844387]]
+[boundary.left]
+where.beyond = {{ at = [0.0, 1e-6], normal = [-0.8660254037844387, -0.5] }}
+normal = [-0.8660254037844387, -0.5]
+[boundary.right]
+where.beyond = {{ at = [0.86602, 0.5], normal = [0.8660254037844387, 0.5] }}
+normal = [0.8660254037844387, 0.5]
+un = -1e-3
+[boundary.base]
+where.beyond = {{ at = [0.0, 1e-6], normal = [0.5, -0.8660254037844387] }}
+ux = "1e-3*t*y"
+uy = "-2e-3*t*x*y"
+[gauge.height]
+from = [0.4, 0.3]
+to = [0.0, 1.0]
+[steps]
+count = 8
+adaptive = false
+[output]
+frames = 2
+[output.nominal]
+load = "right"
+displacement = "right"
+direction = [-1.0, 0.0]
+"""
 
 # Weight at rest, then thrown: turns, vibrates and falls through the grid, so that points change their process.
 THROWN = """
@@ -472,6 +561,8 @@ TEXT = {
     "axisymmetric": AXISYMMETRIC,
     "drawn": DRAWN,
     "drawn_solid": DRAWN_SOLID,
+    "sliding": SLIDING,
+    "inclined": INCLINED,
 }
 FINITE = ["model.kinematics=finite", "model.formulation=updated_lagrangian"]
 SMALL = ["model.kinematics=small", "model.formulation=total_lagrangian"]
@@ -652,6 +743,12 @@ class AnyNumberOfProcesses(Case):
     def test_unilateral_contact(self):
         self.same("unilateral")
 
+    def test_friction_and_following_pressure(self):
+        self.same("sliding", history=1e-7, points=1e-6)
+
+    def test_inclined_supports(self):
+        self.same("inclined")
+
     def test_fem_in_space(self):
         self.same("fem_solid")
 
@@ -760,6 +857,12 @@ class Continued(Case):
 
     def test_contact_on_fewer_processes(self):
         self.goes_on("unilateral", 4, 2, ["steps.count=40"])
+
+    def test_friction_and_following_pressure(self):
+        self.goes_on("sliding", 2, 1, ["steps.count=60"], history=1e-7, points=1e-6)
+
+    def test_inclined_supports(self):
+        self.goes_on("inclined", 1, 2, ["steps.count=60"])
 
     def test_shared_nodes_that_move_through_cells(self):
         push = ["body.platen.displacement=[0.0, -0.2]", "steps.count=40", "material.rock.youngs_modulus=1e6"]
