@@ -45,7 +45,9 @@ private:
 struct VectorFunction {
   std::array<TimeFunction, 3> component;
 
-  Vec3 at(double t) const { return {component[0].at(t), component[1].at(t), component[2].at(t)}; }
+  Vec3 at(double t, const Vec3& x = Vec3::Zero()) const {
+    return {component[0].at(t, x), component[1].at(t, x), component[2].at(t, x)};
+  }
   bool is_zero() const { return component[0].is_zero() && component[1].is_zero() && component[2].is_zero(); }
 };
 

@@ -375,7 +375,10 @@ void BoundaryConditions::add_forces(const NodalVector& du, double t0, double t1,
 }
 
 Vec3 BoundaryConditions::force_of(const PressurePoint& point, double time) const {
-  return case_.pressures[point.load].value.at(time, point.anchor.x) * point.area;
+  const Pressure& spec = case_.pressures[point.load];
+  // [boundaries (6), (6a)]
+  if (spec.traction) return spec.traction->at(time, point.anchor.x) * point.area.norm();
+  return spec.value.at(time, point.anchor.x) * point.area;
 }
 
 void BoundaryConditions::add_pressure(double time, NodalVector& f) const {

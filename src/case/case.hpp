@@ -20,6 +20,8 @@ namespace berm {
 
 enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
+/// Volumetric strain of a point: its own, or the mean over the points of its cell.
+enum class Volumetric { standard, f_bar };
 
 /// Which places a boundary condition acts on: everything inside all the given limits.
 struct Where {
@@ -74,12 +76,13 @@ struct Pin {
   std::array<bool, 3> fixed = {false, false, false};  ///< x, y, z
 };
 
-/// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
-/// material; direction and area are those of the reference state.
+/// Pressure or traction on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with
+/// the material; direction and area are those of the reference state.
 struct Pressure {
   std::string name, body;
   Where where;
-  TimeFunction value;  ///< positive pushes into the body [Pa]
+  TimeFunction value;                      ///< positive pushes into the body [Pa]
+  std::optional<VectorFunction> traction;  ///< in its place: force per area in the directions of the axes [Pa]
 };
 
 /// A deformable body's surface against a rigid body.
@@ -197,6 +200,7 @@ struct Case {
   Space space = Space::plane_strain;
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
+  Volumetric volumetric = Volumetric::standard;               ///< mpm only
   double thickness = 1.0;                                     ///< of plane models [m]
   VectorFunction gravity;                                     ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)

@@ -95,13 +95,17 @@ Table<Pin> pin_table() {
 
 Table<Pressure> pressure_table() {
   Table<Pressure> t(
-      "Pressure on the surface of a body. The loaded points move with the material; direction and area are those of "
-      "the reference state.");
+      "Pressure or traction on the surface of a body: one of `value` and `traction`. The loaded points move with the "
+      "material; direction and area are those of the reference state.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
              "positive pushes into the body; a number is reached linearly at the end of the run")
-      .required();
+      .no_default();
+  t.vector_function("traction", &Pressure::traction, Unit::stress,
+                    "force per area along the axes, e.g. shear; a number is reached linearly at the end of the run",
+                    true);
+  t.check([](Scope& s, Pressure&) { s.exactly_one({"value", "traction"}); });
   return t;
 }
 

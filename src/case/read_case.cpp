@@ -11,7 +11,11 @@ namespace {
 void set_ends(Case& c) {
   const double end = c.steps.duration;
   for_each_motion(c, [end](TimeFunction& f) { f.set_end(end); });
-  for (Pressure& p : c.pressures) p.value.set_end(end);
+  for (Pressure& p : c.pressures) {
+    p.value.set_end(end);
+    if (p.traction)
+      for (TimeFunction& f : p.traction->component) f.set_end(end);
+  }
 }
 
 }  // namespace

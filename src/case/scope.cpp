@@ -160,10 +160,11 @@ std::optional<TimeFunction> read_function(const Scope& scope, const Node::Entry&
   }
 }
 
-std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit) {
+std::optional<VectorFunction> read_vector_function(const Scope& scope, const Node::Entry& entry, Unit unit,
+                                                   bool of_place) {
   VectorFunction vector;
   const bool complete = read_items(scope, entry, [&](const Node::Entry& item, std::size_t i) {
-    const auto function = read_function(scope, item, unit, false);
+    const auto function = read_function(scope, item, unit, of_place);
     if (function) vector.component[i] = *function;
     return function.has_value();
   });

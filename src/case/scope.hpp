@@ -54,7 +54,7 @@ std::optional<Vec2> read_pair(const Scope&, const Node::Entry&, Unit, const Rang
 std::optional<Vec3> read_vector(const Scope&, const Node::Entry&, Unit, const Range& = {});
 /// A number, a string with a unit, or an expression of t and, if `of_place`, of x, y and z.
 std::optional<TimeFunction> read_function(const Scope&, const Node::Entry&, Unit, bool of_place);
-std::optional<VectorFunction> read_vector_function(const Scope&, const Node::Entry&, Unit);
+std::optional<VectorFunction> read_vector_function(const Scope&, const Node::Entry&, Unit, bool of_place);
 /// The items of an array with one item a direction, e.g. [x, y] and [x, y, z]; nullptr after any other number of them.
 /// `what`: "numbers", "whole numbers"; `prefix` of the names of the directions in messages.
 const Node::Array* read_directions(const Scope&, const Node::Entry&, std::string_view what, std::string_view prefix);

@@ -109,10 +109,10 @@ KeyInfo function_info(const std::string& key, Unit unit, bool of_place, const st
   return make_info(key, type + bracketed(unit), function_schema(unit, of_place), doc);
 }
 
-KeyInfo vector_function_info(const std::string& key, Unit unit, const std::string& doc) {
+KeyInfo vector_function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc) {
   KeyInfo info = array_info(key, "[x, y(, z)]", 3, unit, {}, doc);
-  info.type = "[x, y(, z)], numbers or expressions of t" + bracketed(unit);
-  info.json.set("items", function_schema(unit, false));
+  info.type = "[x, y(, z)], numbers or expressions of t" + std::string(of_place ? ", x, y, z" : "") + bracketed(unit);
+  info.json.set("items", function_schema(unit, of_place));
   return info;
 }
 
@@ -207,6 +207,10 @@ std::optional<Node> function_node(const VectorFunction& value, Unit unit, int di
   Node::Array items;
   for (int i = 0; i < dimension; ++i) items.push_back(*function_node(value.component[i], unit));
   return Node(std::move(items));
+}
+
+std::optional<Node> function_node(const std::optional<VectorFunction>& value, Unit unit, int dimension) {
+  return value ? function_node(*value, unit, dimension) : std::nullopt;
 }
 
 std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid) {

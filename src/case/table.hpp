@@ -35,7 +35,7 @@ KeyInfo pair_info(const std::string& key, Unit unit, const Range& range, const s
 KeyInfo vector_info(const std::string& key, Unit unit, const Range& range, const std::string& doc);
 /// A number or an expression, and one a direction.
 KeyInfo function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc);
-KeyInfo vector_function_info(const std::string& key, Unit unit, const std::string& doc);
+KeyInfo vector_function_info(const std::string& key, Unit unit, bool of_place, const std::string& doc);
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& names, const std::string& doc);
 /// Other words in the plane than in space.
 KeyInfo choice_info(const std::string& key, const std::vector<std::string>& plane,
@@ -55,6 +55,7 @@ std::optional<Node> vector_node(const std::optional<Vec3>& value, Unit unit, int
 std::optional<Node> function_node(const TimeFunction& value, Unit unit);
 std::optional<Node> function_node(const std::optional<TimeFunction>& value, Unit unit);
 std::optional<Node> function_node(const VectorFunction& value, Unit unit, int dimension);
+std::optional<Node> function_node(const std::optional<VectorFunction>& value, Unit unit, int dimension);
 /// Text of a default for the manual, in the plane and in space.
 std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid);
 /// Reports the keys of the table that are not in `valid`.
@@ -167,13 +168,13 @@ public:
         [=](T& t, int) { return function_node(std::invoke(member, t), unit); });
   }
 
-  /// A VectorFunction: as many functions as the model has dimensions.
+  /// A VectorFunction: as many functions as the model has dimensions, of the place too if `of_place`.
   template <class M>
-  Table& vector_function(const std::string& key, M member, Unit unit, const std::string& doc) {
+  Table& vector_function(const std::string& key, M member, Unit unit, const std::string& doc, bool of_place = false) {
     return add(
-        vector_function_info(key, unit, doc),
+        vector_function_info(key, unit, of_place, doc),
         [=](Scope& s, Node::Entry& e, T& t) {
-          if (const auto v = read_vector_function(s, e, unit)) std::invoke(member, t) = *v;
+          if (const auto v = read_vector_function(s, e, unit, of_place)) std::invoke(member, t) = *v;
         },
         [=](T& t, int dimension) { return function_node(std::invoke(member, t), unit, dimension); });
   }
