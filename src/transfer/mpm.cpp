@@ -232,6 +232,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   if (comm_.size() > 1 && ghost_penalty_ > 0.0) ask_neighbours();
   build_faces();
   number_nodes();
+  if (f_bar_) group_points();
   attach(anchors);
 }
 
@@ -255,8 +256,6 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
   order_.resize(x_.size());
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (std::size_t p = 0; p < x_.size(); ++p) order_[next[active_index_[cell_[p]]]++] = static_cast<int>(p);
-
-  if (f_bar_) group_points();
 
   cells_.assign(active_cells_.size(), {});
   for (const Anchor* a : anchors)

@@ -64,6 +64,10 @@ private:
     double stiffness = 0.0;  ///< mean damaged E (plane: times thickness)
     int holds_rigid = 0;     ///< points of a rigid body
   };
+  /// F-bar: points of one body in one cell, which share their dilatation.
+  struct Group {
+    int active, begin, end;  ///< points order_[begin..end-1] of the active cell
+  };
   static constexpr int most_cell_nodes = 8;
   static constexpr int most_face_nodes = 12, most_face_points = 4;
   /// A face between two active cells, one of them cut: jump of the normal derivative of the shape functions.
@@ -99,7 +103,7 @@ private:
   void cell_tangent(int active, const LawSettings& settings, double* K) const;
   template <int dimension, bool hoop>
   void tangent(const LawSettings& settings, BlockAssembler& matrix) const;
-  // F-bar (f_bar.cpp)
+  // F-bar (mpm_f_bar.cpp)
   void group_points();
   Mat3 compatible_F(int p) const;
   void divergence(int p, int n, double* c) const;
@@ -163,11 +167,7 @@ private:
   std::vector<CellState> cells_;                  ///< by active index
   std::map<int, CellState> remote_;               ///< active cells of other processes at the border
   std::vector<int> order_, first_;
-  /// F-bar: points of one body in one cell, which share their dilatation.
-  struct Group {
-    int active, begin, end;  ///< points order_[begin..end-1] of the active cell
-  };
-  std::vector<Group> groups_;
+  std::vector<Group> groups_;            ///< F-bar
   std::vector<int> first_group_;         ///< of an active cell
   std::vector<double> mean_divergence_;  ///< by group: divergence of unit displacements of the nodes, b of (44)
   std::vector<Face> faces_;

@@ -127,5 +127,97 @@ TEST(CooksMembrane, PlaneStress) {
   }
 }
 
+// ---- bearing capacity of a strip
+
+constexpr double settlement = 0.005;
+
+struct Ground {
+  double friction = 0.0, poisson = 0.49;  ///< [deg]
+};
+
+/// Half of a rigid, rough strip of width 1 on weightless ground of unit cohesion. Its edge is half-way between nodes.
+std::string strip(const Ground& ground, bool f_bar, int cells_per_width, int steps) {
+  const double h = 1.0 / cells_per_width;
+  std::string text = "[model]\nplane = \"strain\"\nkinematics = \"small\"\n";
+  text += fmt::format("volumetric = \"{}\"\n", f_bar ? "f_bar" : "standard");
+  text += fmt::format("[grid]\ncell_size = {:.17g}\ncells = [{}, {}]\n", h, 5 * cells_per_width, 3 * cells_per_width);
+  text += fmt::format(
+      "[material.m]\nlaw = \"mohr_coulomb\"\ndensity = 1.0\nyoungs_modulus = 1e4\npoisson_ratio = {}\ncohesion = 1.0\n"
+      "friction_angle = {}\ndilatancy_angle = {}\n",
+      ground.poisson, ground.friction, ground.friction);
+  text += "[body.b]\nmaterial = \"m\"\nshape.box = { min = [0.0, 0.0], max = [5.0, 3.0] }\n";
+  text += fmt::format(
+      "[boundary.strip]\nwhere.box = {{ min = [-1.0, 2.9999], max = [0.4999, 3.0001] }}\nux = 0.0\nuy = {}\n",
+      -settlement);
+  text += "[boundary.axis]\nwhere.box = { min = [-1.0, 0.0], max = [1e-6, 2.9999] }\nux = 0.0\n";
+  text += "[boundary.side]\nwhere.box = { min = [4.9999, 0.0], max = [6.0, 4.0] }\nux = 0.0\n";
+  text += "[boundary.base]\nwhere.box = { min = [-1.0, -1.0], max = [6.0, 1e-6] }\nux = 0.0\nuy = 0.0\n";
+  return text + fmt::format("[steps]\ncount = {}\n", steps);
+}
+
+struct Bearing {
+  double last = 0.0, rise = 0.0, energy_error = 0.0;
+};
+
+/// Mean stress under the strip at the end, over c, and how much of it came in the last 40 % of the settlement.
+Bearing bearing(const Ground& ground, bool f_bar, int cells_per_width = 11, int steps = 25) {
+  Model model(strip(ground, f_bar, cells_per_width, steps));
+  double at_60 = 0.0;
+  Bearing found;
+  int iterations = 0, taken = 0;
+  const bool done = model.run([&](const StepResult& result) {
+    found.last = 2.0 * -model.step.balance().reactions.boundary[0].y();
+    if (model.world->time < 0.6 + 1e-9) at_60 = found.last;
+    iterations += result.iterations;
+    ++taken;
+  });
+  EXPECT_TRUE(done);
+  const MaterialState& m = model.material();
+  const double work = model.step.balance().external_work;
+  found.energy_error = std::abs(work - m.stored_energy() - m.dissipated_energy()) / work;
+  found.rise = 1.0 - at_60 / found.last;
+  fmt::print("  q/c = {:.5f}, at 60 %: {:.5f}; {} steps, {} iterations, energy error {:.2g}\n", found.last, at_60, taken,
+             iterations, found.energy_error);
+  return found;
+}
+
+const char* const footing = "Strip footing (V22)";
+const char* const prandtl_source = "Prandtl 1920";
+
+/// (Nq - 1) cot(phi), Nq = e^(pi tan phi) tan^2(45 + phi/2); 2 + pi without friction.
+double prandtl(double degrees) {
+  const double pi = std::numbers::pi, phi = degrees * pi / 180.0;
+  if (degrees == 0.0) return 2.0 + pi;
+  const double root = std::tan(0.25 * pi + 0.5 * phi);
+  return (std::exp(pi * std::tan(phi)) * root * root - 1.0) / std::tan(phi);
+}
+
+void expect_plateau(const Ground& ground, double tolerance, double most_rise) {
+  const double exact = prandtl(ground.friction);
+  const Bearing found = bearing(ground, true);
+  EXPECT_LT(relative(found.last, exact), tolerance);
+  EXPECT_LT(found.rise, most_rise);
+  EXPECT_LT(found.energy_error, 0.01);
+  const std::string variant = fmt::format("F-bar, friction angle {:g} deg, 11 cells over B", ground.friction);
+  record({footing, variant + ": q / c", found.last, fmt::format("{:.5f}", exact), fmt::format("{} relative", tolerance),
+          prandtl_source});
+  record({footing, variant + ": rise on the plateau", found.rise, "0", fmt::format("{}", most_rise), prandtl_source});
+}
+
+TEST(StripFooting, TrescaReachesItsPlateau) { expect_plateau({}, 0.03, 0.005); }
+
+/// The contrast: standard cells carry more and more.
+TEST(StripFooting, StandardCellsKeepRising) {
+  const Bearing found = bearing({}, false);
+  EXPECT_GT(found.last, 1.1 * prandtl(0.0));
+  EXPECT_GT(found.rise, 0.02);
+  record({footing, "standard, friction angle 0 deg, 11 cells over B: q / c", found.last, "5.14159", "> 10 % more",
+          prandtl_source});
+  record({footing, "standard, friction angle 0 deg, 11 cells over B: rise on the plateau", found.rise, "0", "> 0.02",
+          prandtl_source});
+}
+
+TEST(StripFooting, FrictionAngle20) { expect_plateau({20.0, 0.3}, 0.05, 0.02); }
+
 }  // namespace
 }  // namespace berm::verify

@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "transfer/mpm.hpp"
 
@@ -14,7 +15,8 @@ void MpmDiscretisation::group_points() {
   first_group_.assign(1, 0);
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     int slice = -1;
-    const int end = is_simplex(grid_.mesh.kinds[active_cells_[a]]) ? first_[a] : first_[a + 1];
+    const bool simplex = static_cast<int>(blocks[static_cast<int>(a)].size()) == dimension() + 1;
+    const int end = simplex ? first_[a] : first_[a + 1];
     for (int at = first_[a]; at < end; ++at) {
       const int p = order_[at];
       if (slice < 0 || p >= material.slices[slice].end) {
@@ -26,7 +28,7 @@ void MpmDiscretisation::group_points() {
     first_group_.push_back(static_cast<int>(groups_.size()));
   }
   share_.resize(x_.size());
-  trial_stretch_.resize(x_.size(), 1.0);
+  trial_stretch_.assign(x_.size(), 1.0);
   mean_divergence_.resize(groups_.size() * dimension() * most_cell_nodes);
 }
 
