@@ -491,7 +491,7 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
 }
 
 bool BoundaryConditions::follows(const Pressure& spec) const {
-  return case_.kinematics == Kinematics::finite && spec.direction == Pressure::Direction::following;
+  return !spec.traction && case_.kinematics == Kinematics::finite && spec.direction == Pressure::Direction::following;
 }
 
 bool BoundaryConditions::symmetric() const {
@@ -507,6 +507,7 @@ BoundaryConditions::PressureForce BoundaryConditions::pressure_force(const Press
   const Pressure& spec = case_.pressures[point.load];
   PressureForce p{0.0, point.area, point.anchor.x};
   if (!acts(spec.stages)) return p;
+  if (spec.traction) return {1.0, spec.traction->at(time, point.anchor.x) * point.area.norm(), p.place};  // [(6a)]
   if (case_.kinematics == Kinematics::finite) p.place += point.anchor.stencil.interpolate(du);
   p.value = spec.value.at(time, p.place);
   if (!follows(spec)) return p;
@@ -531,7 +532,7 @@ void BoundaryConditions::add_pressure(double time, const NodalVector& du, double
 void BoundaryConditions::add_pressure_matrix(const PressurePoint& point, double time, const NodalVector& du,
                                              double factor, BlockAssembler& matrix) const {
   const Pressure& spec = case_.pressures[point.load];
-  if (!acts(spec.stages)) return;
+  if (!acts(spec.stages) || spec.traction) return;
   const bool follows_face = follows(spec);
   const bool by_place = case_.kinematics == Kinematics::finite && spec.value.depends_on_place();
   if (!follows_face && !by_place) return;

@@ -21,6 +21,8 @@ namespace berm {
 
 enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
+/// Volumetric strain of a point: its own, or the mean over the points of its cell.
+enum class Volumetric { standard, f_bar };
 
 /// Names of the stages in which something acts; empty: in all.
 using Stages = std::vector<std::string>;
@@ -94,12 +96,13 @@ struct Pin {
   Stages stages;
 };
 
-/// Pressure on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with the
-/// material.
+/// Pressure or traction on the surface of a body (mpm: surface points; fem: element edges). The loaded points move with
+/// the material.
 struct Pressure {
   std::string name, body;
   Where where;
-  TimeFunction value;  ///< positive pushes into the body [Pa]
+  TimeFunction value;                      ///< positive pushes into the body [Pa]
+  std::optional<VectorFunction> traction;  ///< in its place: force per reference area along the axes [Pa]
   enum class Direction {
     following,  ///< finite kinematics: direction and area are those of the deformed face
     dead        ///< those of the reference state
@@ -256,6 +259,7 @@ struct Case {
   Space space = Space::plane_strain;
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
+  Volumetric volumetric = Volumetric::standard;               ///< mpm only
   double thickness = 1.0;                                     ///< of plane models [m]
   VectorFunction gravity;                                     ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)

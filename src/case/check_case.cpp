@@ -38,6 +38,7 @@ public:
     check_integration();
     check_stages();
     check_plane_stress();
+    check_volumetric();
   }
 
 private:
@@ -211,6 +212,20 @@ private:
       if (!knows_plane_stress(m.law))
         at("material", m.name)
             .explain("law", "is for plane strain, axisymmetric models and space, not for plane stress");
+  }
+
+  void check_volumetric() const {
+    if (c_.volumetric != Volumetric::f_bar) return;
+    const auto refuse = [this](const char* why) { at("model").explain("volumetric", why); };
+    if (c_.method == Method::fem)
+      return refuse("\"f_bar\" is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
+    if (c_.space == Space::plane_stress)
+      return refuse("\"f_bar\" is not for plane stress, where nothing locks: the thickness is free to change");
+    const auto* grid = std::get_if<StructuredGrid>(&c_.grid);
+    if (grid && grid->kind != GridKind::quads && grid->kind != GridKind::hexahedra)
+      refuse(
+          "\"f_bar\" needs a grid of quads or hexahedra: the strain of a linear triangle or tetrahedron is uniform "
+          "already");
   }
 
   /// Only damage can be extrapolated.

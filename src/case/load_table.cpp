@@ -130,18 +130,25 @@ Table<Pin> pin_table() {
 
 Table<Pressure> pressure_table() {
   Table<Pressure> t(
-      "Pressure on the surface of a body. The loaded points move with the material.");
+      "Pressure or traction on the surface of a body: one of `value` and `traction`. The loaded points move with the "
+      "material.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
-             "positive pushes into the body; a number is reached linearly at the end of the first stage, or holds from the start if that is dynamic")
-      .required();
+             "positive pushes into the body; a number is reached linearly at the end of the first stage, or holds from "
+             "the start if that is dynamic")
+      .no_default();
+  t.vector_function("traction", &Pressure::traction, Unit::stress,
+                    "force per area of the reference state along the axes, e.g. shear; a number is reached as in `value`",
+                    true);
   using Direction = Pressure::Direction;
   t.choice("direction", &Pressure::direction,
            Words<Direction>{{"following", Direction::following}, {"dead", Direction::dead}},
            "following: stays normal to the deforming face and acts on its present area (finite kinematics; in small "
            "strain there is no difference); dead: direction and area of the reference state");
+  t.only_with("value");
   add_stages(t);
+  t.check([](Scope& s, Pressure&) { s.exactly_one({"value", "traction"}); });
   return t;
 }
 

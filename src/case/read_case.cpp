@@ -31,7 +31,11 @@ void set_ends(Case& c) {
   for (TimeFunction& g : c.gravity.component) g.set_end(load_end);
   for (Body& b : c.bodies)
     for (TimeFunction& a : b.acceleration.component) a.set_end(load_end);
-  for (Pressure& p : c.pressures) p.value.set_end(load_end);
+  for (Pressure& p : c.pressures) {
+    p.value.set_end(load_end);
+    if (p.traction)
+      for (TimeFunction& f : p.traction->component) f.set_end(load_end);
+  }
 }
 
 }  // namespace

@@ -209,6 +209,10 @@ std::optional<Node> function_node(const VectorFunction& value, Unit unit, int di
   return Node(std::move(items));
 }
 
+std::optional<Node> function_node(const std::optional<VectorFunction>& value, Unit unit, int dimension) {
+  return value ? function_node(*value, unit, dimension) : std::nullopt;
+}
+
 std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid) {
   const auto text_of = [](const std::optional<Node>& node) -> std::string {
     if (!node) return "";

@@ -55,6 +55,7 @@ std::optional<Node> vector_node(const std::optional<Vec3>& value, Unit unit, int
 std::optional<Node> function_node(const TimeFunction& value, Unit unit);
 std::optional<Node> function_node(const std::optional<TimeFunction>& value, Unit unit);
 std::optional<Node> function_node(const VectorFunction& value, Unit unit, int dimension);
+std::optional<Node> function_node(const std::optional<VectorFunction>& value, Unit unit, int dimension);
 /// Text of a default for the manual, in the plane and in space.
 std::string default_text(const std::optional<Node>& plane, const std::optional<Node>& solid);
 /// Reports the keys of the table that are not in `valid`.
@@ -177,7 +178,7 @@ public:
         [=](T& t, int) { return function_node(std::invoke(member, t), unit); });
   }
 
-  /// A VectorFunction: as many functions as the model has dimensions.
+  /// A VectorFunction: as many functions as the model has dimensions, of the place too if `of_place`.
   template <class M>
   Table& vector_function(const std::string& key, M member, Unit unit, const std::string& doc, bool of_place = false) {
     return add(

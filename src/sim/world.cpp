@@ -87,7 +87,8 @@ Grid make_grid(const Case& c) {
 
 void build_mpm(World& w) {
   const Case& c = w.spec;
-  auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm);
+  auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
+                                                 c.volumetric);
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
@@ -258,11 +259,12 @@ std::string describe(const World& w) {
   std::string text;
   auto line = [&](const std::string& s) { text += s + "\n"; };
   line(fmt::format("{}", w.spec.title));
-  line(fmt::format("  method            {}, {}, {} strain",
+  line(fmt::format("  method            {}, {}, {} strain{}",
                    w.spec.method == Method::fem                          ? "fem"
                    : w.spec.formulation == Formulation::total_lagrangian ? "mpm, total Lagrangian"
                                                                          : "mpm",
-                   space_text(w.spec.space), w.spec.kinematics == Kinematics::finite ? "finite" : "small"));
+                   space_text(w.spec.space), w.spec.kinematics == Kinematics::finite ? "finite" : "small",
+                   w.spec.volumetric == Volumetric::f_bar ? ", F-bar" : ""));
   const char* unit = solid ? "m3" : "m2";
   for (const BodySummary& b : w.bodies)
     line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)

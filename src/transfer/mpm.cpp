@@ -19,18 +19,23 @@ std::string text_of(const Vec3& x, int dimension) {
                         : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }
 
-/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, then what the material keeps.
-constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3;
+/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, then what the material keeps.
+constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1;
 
 }  // namespace
 
 MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalty, Formulation formulation,
-                                     const Comm& comm)
+                                     const Comm& comm, Volumetric volumetric)
     : Discretisation(comm),
       grid_(std::move(grid)),
       space_(space),
       ghost_penalty_(ghost_penalty),
-      total_lagrangian_(formulation == Formulation::total_lagrangian) {
+      total_lagrangian_(formulation == Formulation::total_lagrangian),
+      f_bar_(volumetric == Volumetric::f_bar) {
+  if (f_bar_ && std::all_of(grid_.mesh.kinds.begin(), grid_.mesh.kinds.end(), is_simplex))
+    throw InputError(
+        "[model] volumetric = \"f_bar\" needs a background grid of quads or hexahedra: the strain of a linear triangle "
+        "or tetrahedron is uniform already, its mean changes nothing");
   double sum = 0.0;
   int most_nodes = 0;
   for (int c = 0; c < grid_.mesh.n_cells(); ++c) {
@@ -76,6 +81,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     cell_.push_back(cell);
     home_.push_back(points.shift.empty() ? -1 : cell);
     shift_.push_back(points.shift.empty() ? Vec3::Zero() : points.shift[p]);
+    stretch_.push_back(1.0);
   }
   n_points_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);
@@ -109,12 +115,14 @@ void MpmDiscretisation::write_row(int p, double* row) const {
   *row++ = measure_[p];
   *row++ = home_[p];
   row = std::copy_n(shift_[p].data(), 3, row);
+  *row++ = stretch_[p];
   material.write_row(p, row);
 }
 
 /// The points of all slices from rows; ascending ids make sums independent of the way the points came.
 void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& rows_of_slice) {
-  id_.clear(), X_.clear(), x_.clear(), u_.clear(), v_.clear(), a_.clear(), C_.clear(), mass_.clear(), measure_.clear(), home_.clear(), shift_.clear();
+  id_.clear(), X_.clear(), x_.clear(), u_.clear(), v_.clear(), a_.clear(), C_.clear(), mass_.clear(), measure_.clear();
+  home_.clear(), shift_.clear(), stretch_.clear();
   std::vector<std::vector<double>> material_rows(rows_of_slice.size());
   for (std::size_t s = 0; s < rows_of_slice.size(); ++s) {
     const int width = row_width(static_cast<int>(s));
@@ -137,6 +145,7 @@ void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& row
       home_.push_back(static_cast<int>(*row++));
       shift_.emplace_back(row[0], row[1], row[2]);
       row += 3;
+      stretch_.push_back(*row++);
       material_rows[s].insert(material_rows[s].end(), row, rows.data() + at + width);
     }
   }
@@ -233,6 +242,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   if (comm_.size() > 1 && ghost_penalty_ > 0.0) ask_neighbours();
   build_faces();
   number_nodes();
+  if (f_bar_) group_points();
   attach(anchors);
   look_at_interfaces();
 }
@@ -517,7 +527,7 @@ void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinema
         continue;
       }
       if (total_lagrangian_) {
-        material.trial_F[p] = material.F[p] + grad;
+        material.trial_F[p] = compatible_F(p) + grad;
         push_[p] = material.trial_F[p].inverse().transpose();
       } else {
         const Mat3 dF = Mat3::Identity() + grad;
@@ -531,10 +541,11 @@ void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinema
 Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& settings) {
   kinematics_ = settings.kinematics;
   with_space([&]<int dimension, bool hoop>() { trial_gradients<dimension, hoop>(du, settings.kinematics); });
-  return material.respond(settings);
+  const Status status = f_bar_ ? average_dilatation() : Status::ok;
+  return status == Status::ok ? material.respond(settings) : status;
 }
 
-/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26)]
+/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part]
 template <int dimension, bool hoop>
 void MpmDiscretisation::internal_force(NodalVector& f) const {
   std::array<Vec3, 8> sum;
@@ -542,9 +553,11 @@ void MpmDiscretisation::internal_force(NodalVector& f) const {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     const int n = static_cast<int>(list.size());
     std::fill_n(sum.begin(), n, Vec3::Zero());
+    const bool averaged = f_bar_ && first_group_[a + 1] > first_group_[a];  // its mean stress: add_mean_pressure
     for (int p : points_in(static_cast<int>(a))) {
       const double* s = shape(p);
-      const Mat3 tau = response_detail::tensor(material.trial[p].stress) * material.volume[p];
+      Mat3 tau = response_detail::tensor(material.trial[p].stress) * material.volume[p];
+      if (averaged) tau.diagonal().head(volumetric_directions()).array() -= mean_stress_volume(p);
       const Mat3 by_gradient = tau * push_[p];
       for (int k = 0; k < n; ++k)
         for (int i = 0; i < dimension; ++i)
@@ -560,6 +573,7 @@ void MpmDiscretisation::internal_force(NodalVector& f) const {
 
 void MpmDiscretisation::add_internal_force(NodalVector& f) const {
   with_space([&]<int dimension, bool hoop>() { internal_force<dimension, hoop>(f); });
+  if (f_bar_) add_mean_pressure(f);
 }
 
 /// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with n nodes.   [formulation (10)]
@@ -610,10 +624,13 @@ void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& mat
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int block = static_cast<int>(a);
     const bool simplex = is_simplex(grid_.mesh.kinds[grid_cell(active_cells_[a])]);
+    constexpr int corners = dimension == 3 ? 8 : 4;
     if (simplex)
       cell_tangent<dimension, hoop, dimension + 1>(block, settings, K);
+    else if (f_bar_)
+      f_bar_tangent<dimension, hoop, corners>(block, settings, K);
     else
-      cell_tangent<dimension, hoop, (dimension == 3 ? 8 : 4)>(block, settings, K);
+      cell_tangent<dimension, hoop, corners>(block, settings, K);
     matrix.add(block, K);
   }
 }
@@ -661,6 +678,7 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
   const int d = dimension();
   comm_.agree([&] {
     material.commit();
+    if (f_bar_ && move) stretch_ = trial_stretch_;
     for (std::size_t a = 0; a < active_cells_.size(); ++a) {
       const std::span<const int> list = blocks[static_cast<int>(a)];
       const int n = static_cast<int>(list.size());

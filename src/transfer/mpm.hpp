@@ -15,9 +15,11 @@ namespace berm {
 
 class MpmDiscretisation final : public Discretisation {
 public:
-  /// ghost_penalty: factor on E of the face stabilisation, 0 for none.
+  /// ghost_penalty: factor on E of the face stabilisation, 0 for none. Throws InputError if the volumetric strain is to
+  /// be averaged over cells of which none is a quad or a hexahedron.
   MpmDiscretisation(Grid grid, Space space, double ghost_penalty,
-                    Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {});
+                    Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {},
+                    Volumetric volumetric = Volumetric::standard);
 
   /// Adds the points of one body; every process gives all of them, process 0 keeps them until the first move_points.
   /// Throws InputError if a point lies outside of the grid or its cell is too large for the law's fracture energy.
@@ -80,6 +82,11 @@ private:
     double stiffness = 0.0;  ///< mean damaged E (plane: times thickness)
     int holds_rigid = 0;     ///< points of a rigid body
   };
+  /// F-bar: points of one body in one cell, which share their dilatation.
+  struct Group {
+    int active, begin, end;  ///< points order_[begin..end-1] of the active cell
+  };
+  static constexpr int most_cell_nodes = 8;
   static constexpr int most_face_nodes = 12, most_face_points = 4;
   /// A face between two active cells, one of them cut: jump of the normal derivative of the shape functions.
   struct Face {
@@ -126,9 +133,26 @@ private:
   void cell_tangent(int active, const LawSettings& settings, double* K) const;
   template <int dimension, bool hoop>
   void tangent(const LawSettings& settings, BlockAssembler& matrix) const;
+  // F-bar (mpm_f_bar.cpp)
+  void group_points();
+  Mat3 compatible_F(int p) const;
+  void divergence(int p, int n, double* c) const;
+  Status average_dilatation();
+  double mean_stress_volume(int p) const;
+  void add_mean_pressure(NodalVector& f) const;
+  template <int dimension, bool hoop, int n>
+  void f_bar_tangent(int active, const LawSettings& settings, double* K) const;
+  /// Number of directions that the volumetric strain of the model has: F_zz of plane strain stays 1.
+  int volumetric_directions() const { return space_ == Space::plane_strain ? 2 : 3; }
+
   /// Calls work.operator()<dimension, hoop>().
   template <class Work>
   void with_space(Work work) const;
+
+  std::span<const int> points_in(const Group& g) const { return {order_.data() + g.begin, order_.data() + g.end}; }
+  const double* mean_divergence(std::size_t group) const {
+    return mean_divergence_.data() + group * dimension() * most_cell_nodes;
+  }
 
   /// Shape functions of a point at t_n: n values, then n gradients.
   const double* shape(int p) const { return shape_.data() + std::size_t(p) * stride_; }
@@ -138,6 +162,7 @@ private:
   Space space_;
   double ghost_penalty_ = 0.0;
   bool total_lagrangian_ = false;
+  bool f_bar_ = false;
   double cell_size_ = 0.0;
   Kinematics kinematics_ = Kinematics::finite;
 
@@ -173,6 +198,9 @@ private:
   std::vector<Vec3> shift_;  ///< of their places in that cell
   std::vector<double> shape_;
   std::vector<Mat3> push_;  ///< from gradients at t_n (total: at the start) to the trial configuration
+  std::vector<double> stretch_;        ///< F-bar, total Lagrangian: stored over compatible stretch, s of (43)
+  std::vector<double> trial_stretch_;  ///< of the trial state
+  std::vector<double> share_;          ///< F-bar: of the point in its group's trial volume, w of (44)
   int stride_ = 0;          ///< of shape_
   std::int64_t n_points_ = 0;  ///< of all processes
 
@@ -186,6 +214,9 @@ private:
   std::vector<CellState> cells_;                  ///< by active index
   std::map<int, CellState> remote_;               ///< active cells of other processes at the border
   std::vector<int> order_, first_;
+  std::vector<Group> groups_;            ///< F-bar
+  std::vector<int> first_group_;         ///< of an active cell
+  std::vector<double> mean_divergence_;  ///< by group: divergence of unit displacements of the nodes, b of (44)
   std::vector<Face> faces_;
   std::vector<int> local_node_;  ///< layered node -> local node or -1
 

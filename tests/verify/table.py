@@ -60,6 +60,12 @@ keeps stiffness and iterations what they are.""",
     "Softening bar": """One weak cell, Rankine, everything else elastic, 1D, small strain (tests/verify/softening_bar.cpp): delta(s) = (L - l) s/E + l ft/E (1 - ln(s/ft)/A). A bar of 0.6 m
 snaps back and is driven by the opening of its crack. The damage cap of 1 - 1e-5 leaves 0.9 to 2.6 % of Gf undissipated (theory/damage.md, equation 18):
 "should be" contains that. IMPL-EX overshoots the peak; its error tolerance says by how much.""",
+    "Cook's membrane (V13)": """The tapered panel (0,0) (48,44) (48,60) (0,44), left side clamped, shear traction on the right one, 16 cells a side, plane strain unless said
+otherwise, small strain (tests/verify/locking.cpp). Fitted: the grid is a mesh of the panel; cut: square cells of a sixteenth of its width. Vertical displacement of the
+upper right corner and of the middle of the right edge.""",
+    "Strip footing (V22)": """Rigid rough strip of width B = 1 m on weightless ground, half of it on 5 x 3 m, small strain, E = 10000 c (tests/verify/locking.cpp). Cells of B/11, so
+that the edge of the strip lies half-way between the last node that it moves and the first free one: the mean stress is that over the true width. Plateau: increase of the load over
+the last 40 % of the settlement, relative.""",
     "Oblique crack": """A notched plate, 150 x 100 mm, Rankine, cells of 5 mm, IMPL-EX, pulled apart on grids turned against it (tests/verify/oblique_crack.cpp). The crack-band length of a
 cell is the root of its area whatever the direction of the crack. Along a row of cells that is exact; a crack across the rows damages a band wider than one cell and dissipates
 more than the fracture energy, which is the known bias of local damage on a grid. Results with cracks at an angle to the grid are too tough by the figures below.""",
