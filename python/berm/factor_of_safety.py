@@ -185,7 +185,7 @@ def safety_figure(trials, low, high):
     factor, unit = unit_for("m", max(t.displacement for t in trials))
     figure, plot = plt.subplots(figsize=(5.6, 3.9), layout="constrained")
     plot.axvspan(low, high, color="#e3e3e3", linewidth=0)
-    for stands, colour, label in ((True, RUN_COLOURS[0], "stands"), (False, RUN_COLOURS[1], "no equilibrium")):
+    for stands, colour, label in ((True, RUN_COLOURS[0], "stands"), (False, RUN_COLOURS[1], "fails")):
         chosen = [t for t in trials if t.stands == stands]
         style = "o-" if stands else "x"
         x, y = [t.factor for t in chosen], [t.displacement / factor for t in chosen]

@@ -107,9 +107,9 @@ TEST(SelfWeightColumn, ClosedForm) {
     }
 }
 
-/// Demands on the finest grid and on the orders between the two finest ones.
+/// Demands on the finest grid and on the orders between the two finest ones; order 0: the error is that of the solver.
 struct Demand {
-  double stress, displacement, top, order_stress, order_displacement;
+  double stress, displacement, top, order_stress, order_displacement, order_top;
 };
 
 std::vector<Errors> study(const Column& c, const Variant& v, const std::vector<int>& cells) {
@@ -135,44 +135,53 @@ void converges(const Column& c, const Variant& v, const Demand& demand) {
   const std::vector<Errors> e = study(c, v, grids);
   const Errors &last = e.back(), &before = e[e.size() - 2];
   const auto row = [&](const std::string& quantity, double Errors::*which, double most, double order) {
-    const double reached = std::log2(before.*which / last.*which);
-    EXPECT_LT(last.*which, most) << c.name << ", " << v.name << ": " << quantity;
-    EXPECT_GT(reached, order) << c.name << ", " << v.name << ": " << quantity;
     const std::string name = fmt::format("{}, {}: {}", c.name, v.name, quantity);
+    EXPECT_LT(last.*which, most) << name;
     record({group, fmt::format("{}, 128 cells ({} with 8, 16, 32, 64, 128)", name, list(e, which)), last.*which, "0",
-            fmt::format("{:.0e}", most), "Hencky's solid (Lambert's W)"});
-    record({group, name + ": order", reached, v.order == 1 && which == &Errors::stress ? "1" : "2 or more",
-            fmt::format("> {}", order), "128 against 64 cells"});
+            fmt::format("{:.2g}", most), "Hencky's solid (Lambert's W)"});
+    if (order == 0.0) return;
+    const double reached = std::log2(before.*which / last.*which);
+    EXPECT_GT(reached, order) << name;
+    record({group, name + ": order", reached, order < 1.0 ? "1" : "2 or more", fmt::format("> {}", order),
+            "128 against 64 cells"});
   };
   row("stress", &Errors::stress, demand.stress, demand.order_stress);
   row("displacement", &Errors::displacement, demand.displacement, demand.order_displacement);
-  row("settlement of the top", &Errors::top, demand.top, demand.order_displacement);
+  row("settlement of the top", &Errors::top, demand.top, demand.order_top);
 }
+
+constexpr Demand linear = {2.5e-3, 2e-5, 2e-5, 0.95, 1.9, 1.9};
 
 TEST(SelfWeightColumn, TotalLagrangian) {
-  converges(slight, total, {2.5e-3, 2e-5, 2e-5, 0.95, 1.9});
-  converges(large, total, {2.5e-3, 2e-5, 2e-5, 0.95, 1.9});
+  for (const Column& c : {slight, large}) converges(c, total, linear);
 }
 
+/// The stress of quadratic elements at their Gauss points follows from equilibrium alone: it is that of the solver.
 TEST(SelfWeightColumn, Fem) {
   for (const Column& c : {slight, large}) {
-    converges(c, quad4, {2.5e-3, 2e-5, 2e-5, 0.95, 1.9});
-    converges(c, quad8, {1e-5, 1e-6, 1e-6, 1.9, 1.9});
+    converges(c, quad4, linear);
+    converges(c, quad8, {1e-8, 1e-7, 1e-8, 0.0, 1.9, 0.0});
   }
 }
 
-/// Linear functions whose gradient jumps where a point crosses a cell's edge do not converge in stress.
+/// Linear functions whose gradient jumps where a point crosses a cell's edge do not converge: the stress stays off by
+/// some per cent, and with it everything else.
 TEST(SelfWeightColumn, UpdatedLagrangianDoesNotConverge) {
-  for (const Column& c : {slight, large}) {
+  const auto report = [](const Column& c, double most_stress, double most_displacement) {
     const std::vector<Errors> e = study(c, updated, grids);
-    const double most = &c == &slight ? 0.05 : 0.15;
-    (void)most;
-    for (const Errors& k : e) EXPECT_LT(k.stress, 0.15);
-    record({group,
-            fmt::format("{}, {}: stress, 128 cells ({} with 8, 16, 32, 64, 128)", c.name, updated.name,
-                        list(e, &Errors::stress)),
-            e.back().stress, "0", "reported", "points cross cells: linear functions do not converge"});
-  }
+    const auto row = [&](const std::string& quantity, double Errors::*which, double most) {
+      for (const Errors& k : e) EXPECT_LT(k.*which, most) << c.name << ": " << quantity;
+      record({group,
+              fmt::format("{}, {}: {}, 128 cells ({} with 8, 16, 32, 64, 128)", c.name, updated.name, quantity,
+                          list(e, which)),
+              e.back().*which, "0", fmt::format("reported, < {}", most), "points cross cells of linear functions"});
+    };
+    row("stress", &Errors::stress, most_stress);
+    row("displacement", &Errors::displacement, most_displacement);
+    row("settlement of the top", &Errors::top, most_displacement);
+  };
+  report(slight, 0.04, 0.06);
+  report(large, 0.13, 0.3);
 }
 
 }  // namespace
