@@ -91,6 +91,8 @@ int main(int argc, char** argv) {
   report->prefix_command();
   CLI::App* sweep = app.add_subcommand("sweep", "run the variants of a sweep file and compare them");
   sweep->prefix_command();
+  CLI::App* safety = app.add_subcommand("factor_of_safety", "reduce the strength of a case until it fails");
+  safety->prefix_command();
   CLI::App* version = app.add_subcommand("version", "print the version");
 
   try {
@@ -108,11 +110,12 @@ int main(int argc, char** argv) {
     return exit_done;
   }
   if (report->parsed()) return python("berm.report", report->remaining());
-  if (sweep->parsed()) {
-    std::vector<std::string> arguments = sweep->remaining();
-    arguments.insert(arguments.end(), {"--berm", std::filesystem::read_symlink("/proc/self/exe").string()});
-    return python("berm.sweep", arguments);
-  }
+  for (const auto& [command, module] : {std::pair{sweep, "berm.sweep"}, {safety, "berm.factor_of_safety"}})
+    if (command->parsed()) {
+      std::vector<std::string> arguments = command->remaining();
+      arguments.insert(arguments.end(), {"--berm", std::filesystem::read_symlink("/proc/self/exe").string()});
+      return python(module, arguments);
+    }
   if (check->parsed())
     return guarded([&] {
       if (ranks_of_launcher() > 1) berm::start_petsc();

@@ -221,6 +221,19 @@ AXISYMMETRIC_MAPS = (
     Field("stress_xy", "Shear stress σrz", "Pa", "signed", "stress", 3),
     Field("displacement", "Displacement", "m", "magnitude", "displacement", -1),
 )
+PLASTIC_STRAIN = Field("plastic_strain", "Plastic strain", "", "opening", "plastic_strain")
+
+
+def fields_of(frames, maps):
+    """What to draw of these frames: plastic strain if a law has it; then damage only if there is any."""
+    plastic = ["plastic_strain" in frame for frame in frames]
+    if not any(plastic):
+        return maps
+    if all(plastic) and not any(np.any(frame.get("damage", 0.0)) for frame in frames):
+        maps = [field for field in maps if field.name not in ("damage", "crack_opening")]
+    return (PLASTIC_STRAIN, *maps)
+
+
 COLOURS = {
     "fraction": FRACTURE,
     "opening": FRACTURE,

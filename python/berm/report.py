@@ -219,11 +219,11 @@ def frame_note(scene):
 
 def maps_html(runs, labels, scale, pictures, prefix=""):
     """Maps of 2D runs, all of them in a plane or all of them axisymmetric."""
-    from berm.figures import AXISYMMETRIC_MAPS, MAPS, map_figure
+    from berm.figures import AXISYMMETRIC_MAPS, MAPS, fields_of, map_figure
     from berm.scene import make_scenes
 
     axisymmetric = any(run.axisymmetric for run in runs)
-    fields = AXISYMMETRIC_MAPS if axisymmetric else MAPS
+    maps = AXISYMMETRIC_MAPS if axisymmetric else MAPS
     peak, last = frame_indices(runs)
     parts = []
     for name, heading, indices in (("peak", "frame closest to the peak", peak), ("last", "last frame", last)):
@@ -232,6 +232,7 @@ def maps_html(runs, labels, scale, pictures, prefix=""):
         scenes = make_scenes(runs, labels, indices, scale)
         if not scenes:
             continue
+        fields = fields_of([scene.frame for scene in scenes], maps)
         figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in fields]
         images = "".join(
             pictures.html(f, f"{prefix}{name}_{field.name}", f"{field.label}, {heading}") for field, f in figures if f

@@ -14,7 +14,7 @@ import synthetic
 from berm import report
 from berm.figures import MAPS, STRESS_STRAIN, colour_limits, curve_figure, map_figure, unit_for
 from berm.raster import Grid, body_picture, inside_rings, paint
-from berm.results import Run
+from berm.results import Run, read_points, read_series
 from berm.scene import make_scenes
 
 
@@ -127,6 +127,20 @@ class ReportCorners(unittest.TestCase):
         code, _, errors = run_main(self.path)
         self.assertEqual((code, errors), (0, ""))
         self.assertEqual(Page(os.path.join(self.path, "report.html")).images, {})
+
+    def test_plastic_strain_in_place_of_damage(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10)
+        for _, file in read_series(os.path.join(self.path, "points.pvd")):
+            fields = read_points(file)
+            fields["plastic_strain"] = 0.1 * fields["damage"]
+            fields["damage"] *= 0.0
+            synthetic.write_points(file, fields)
+        self.assertEqual(run_main(self.path)[0], 0)
+        images = Page(os.path.join(self.path, "report.html")).images
+        self.assertIn("Plastic strain, last frame", images)
+        self.assertNotIn("Damage, last frame", images)
+        self.assertNotIn("Crack opening, last frame", images)
+        self.assertIn("Stress σxx, last frame", images)
 
     def test_history_without_rows(self):
         os.makedirs(self.path)

@@ -7,46 +7,22 @@
 #include <cmath>
 
 #include "driver.hpp"
+#include "exact_beam.hpp"
 
 namespace berm::verify {
 namespace {
 
 constexpr double length = 8.0, depth = 1.0, youngs = 90e6, density = 1000.0, gravity = 9.81;
 
-/// Tip deflection of the shear-deformable, extensible, geometrically exact beam (Reissner 1972; kappa = 5/6, nu = 0)
-/// under dead weight: shooting on the root moment with the classical Runge-Kutta method.
+/// Tip deflection of the geometrically exact beam under dead weight (kappa = 5/6, nu = 0).
 double exact_beam() {
-  const double EI = youngs * std::pow(depth, 3) / 12.0, EA = youngs * depth, GA = 5.0 / 6.0 * 0.5 * youngs * depth;
-  const double weight = density * gravity * depth;
-  struct State {
-    double angle, moment, y;
-    State plus(const State& d, double f) const { return {angle + f * d.angle, moment + f * d.moment, y + f * d.y}; }
-  };
-  auto slope = [&](double s, const State& b) {
-    const double F = -weight * (length - s);  // vertical force of the outer part
-    const double n = F * std::sin(b.angle), q = F * std::cos(b.angle), stretch = 1.0 + n / EA, shear = q / GA;
-    const double dx = stretch * std::cos(b.angle) - shear * std::sin(b.angle);
-    const double dy = stretch * std::sin(b.angle) + shear * std::cos(b.angle);
-    return State{b.moment / EI, -dx * F, dy};
-  };
-  auto shoot = [&](double root) {
-    State b{0.0, root, 0.0};
-    constexpr int n = 400;
-    const double h = length / n;
-    for (int k = 0; k < n; ++k) {
-      const double s = k * h;
-      const State k1 = slope(s, b), k2 = slope(s + h / 2, b.plus(k1, h / 2)), k3 = slope(s + h / 2, b.plus(k2, h / 2)),
-                  k4 = slope(s + h, b.plus(k3, h));
-      b = b.plus(k1, h / 6).plus(k2, h / 3).plus(k3, h / 3).plus(k4, h / 6);
-    }
-    return b;
-  };
-  double low = -weight * length * length, high = 0.0;  // brackets the root moment, -w L^2 / 2 for small deflections
-  for (int k = 0; k < 100; ++k) {
-    const double middle = 0.5 * (low + high);
-    (shoot(middle).moment > 0.0 ? high : low) = middle;
-  }
-  return -shoot(0.5 * (low + high)).y;
+  ExactBeam beam;
+  beam.length = length;
+  beam.bending = youngs * std::pow(depth, 3) / 12.0;
+  beam.tension_compliance = 1.0 / (youngs * depth);
+  beam.shear_compliance = 1.0 / (5.0 / 6.0 * 0.5 * youngs * depth);
+  beam.outer_force = [](double s) { return -density * gravity * depth * (length - s); };
+  return beam.tip().down;
 }
 
 std::string case_text(const std::string& method, double h, double grid_shift) {

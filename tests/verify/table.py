@@ -66,6 +66,19 @@ upper right corner and of the middle of the right edge.""",
     "Strip footing (V22)": """Rigid rough strip of width B = 1 m on weightless ground, half of it on 5 x 3 m, small strain, E = 10000 c (tests/verify/locking.cpp). Cells of B/11, so
 that the edge of the strip lies half-way between the last node that it moves and the first free one: the mean stress is that over the true width. Plateau: increase of the load over
 the last 40 % of the settlement, relative.""",
+    "Soil in the laboratory (V20)": """One cell, Mohr-Coulomb, MPM and FEM, small strain (tests/verify/soil_element.cpp): triaxial (axisymmetric) and biaxial (plane strain) compression under a
+lateral pressure, clay with 25 degrees and 5 kPa, rockfill with 37 degrees, E = 1 MPa, nu = 0.29; simple shear under 100 kPa. The value farthest from the reference of all variants is shown.""",
+    "Deposit of soil (V24)": """10 m of soil, 2000 kg/m3, nu = 0.29, under its own weight between smooth walls, E = 50 MPa or 1 MPa, and an oedometer under 100 kPa (tests/verify/geostatic.cpp).
+Stress noise is the metric described at the end. In a linear cell the stress does not follow the depth, so that points are off by up to cell size / sqrt(12) over the depth; means of cells are exact.
+Gravity in one step and in twenty gives the same to the solver's tolerance, but for updated Lagrangian points, which have moved in their cells.""",
+    "Column under its own weight (V11)": """nu = 0, 80 kg/m3, 10 m/s2, Hencky's solid, width held, two points a cell and direction, at its quarters (tests/verify/column.cpp; the problem of AMPLE, Coombs and
+Augarde 2020): 50 m in 20 steps with E = 1 MPa, where the top settles by 0.962009 m, and 10 m in 40 steps with E = 10 kPa, 2.373111 m. Stress: mean absolute error over the volume, over the stress at the base;
+displacement: L2, relative. Linear functions on updated Lagrangian points do not converge: the gradient jumps where a point crosses the edge of a cell.""",
+    "Cantilever, load at its end (V12)": """10 m x 1 m, E = 12 MPa, nu = 0.2, plane strain, Hencky's solid, 100 kN in 50 steps (tests/verify/cantilever_end_load.cpp): tip deflection 80 % of the length. The root
+slides on a wall and is pinned at mid-depth. The load is a dead pressure on the last 0.25 m of the top and a pull on the same part of the bottom; "should be" is the geometrically exact beam with shear under
+that load, integrated in the test and checked there against the tables for a force at the very end (100 kN: elastica 8.0624 m, with shear 8.1754 m).""",
+    "Slopes (V23)": """Small strain, Mohr-Coulomb, gravity grows until no equilibrium is found (tests/verify/slope.cpp, examples/11_slope_failure). The slope 2:1 of Griffiths and Lane: 10 m, c = 10 kPa, 20 degrees,
+no dilatancy, 20 kN/m3. The vertical cut of 10 m: Tresca, cu = 20 kPa. Fully integrated linear quads lock in flow without change of volume, which delays failure.""",
     "Oblique crack": """A notched plate, 150 x 100 mm, Rankine, cells of 5 mm, IMPL-EX, pulled apart on grids turned against it (tests/verify/oblique_crack.cpp). The crack-band length of a
 cell is the root of its area whatever the direction of the crack. Along a row of cells that is exact; a crack across the rows damages a band wider than one cell and dissipates
 more than the fracture energy, which is the known bias of local damage on a grid. Results with cracks at an angle to the grid are too tough by the figures below.""",
