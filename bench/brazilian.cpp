@@ -13,7 +13,7 @@
 
 #include "case/read_case.hpp"
 #include "la/newton.hpp"
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 #include "sim/world.hpp"
 
 namespace {
@@ -38,7 +38,7 @@ berm::Case disc(int dofs) {
                           fmt::format("grid.origin=[{0},{0}]", -half * h)});
 }
 
-void take(berm::QuasiStaticStep& step, double dt, Integration integration, int& solves) {
+void take(berm::ImplicitStep& step, double dt, Integration integration, int& solves) {
   const berm::StepResult result = step.attempt(dt, integration);
   if (!result.converged) throw std::runtime_error("a step of the benchmark does not converge: " + result.reason);
   solves += result.iterations;
@@ -48,7 +48,7 @@ void take(berm::QuasiStaticStep& step, double dt, Integration integration, int& 
 /// `steps` steps just before the peak load, while the centre and the edges of the jaws soften.
 Row measure(int dofs, Integration integration, int steps) {
   auto world = berm::build_world(disc(dofs));
-  berm::QuasiStaticStep step(*world);
+  berm::ImplicitStep step(*world);
   Row row;
   int unused = 0;
   take(step, 0.5, Integration::implicit, unused);

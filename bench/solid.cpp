@@ -17,7 +17,7 @@
 
 #include "case/read_case.hpp"
 #include "la/newton.hpp"
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 #include "sim/world.hpp"
 
 namespace {
@@ -52,7 +52,7 @@ berm::Case cube(int cells, const std::string& petsc) {
                          {fmt::format("grid.cells=[{0},{0},{0}]", cells), "solver.petsc=\"" + petsc + "\""});
 }
 
-void take(berm::QuasiStaticStep& step, double dt, int& solves) {
+void take(berm::ImplicitStep& step, double dt, int& solves) {
   const berm::StepResult result = step.attempt(dt, Integration::implicit);
   if (!result.converged) throw std::runtime_error("a step of the benchmark does not converge: " + result.reason);
   solves += result.iterations;
@@ -66,7 +66,7 @@ Row measure(int dofs, int steps, const std::string& petsc, const berm::Comm& com
   auto world = berm::build_world(cube(cells, petsc), comm);
   malloc_trim(0);
   const double built = memory("VmRSS");
-  berm::QuasiStaticStep step(*world);
+  berm::ImplicitStep step(*world);
   int unused = 0;
   take(step, 0.6, unused);  // close to the first damage at the edges
   const berm::StepTimes start = step.times();

@@ -111,7 +111,7 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
 
 }  // namespace
 
-void save_checkpoint(const std::string& path, const World& world, const QuasiStaticStep& step,
+void save_checkpoint(const std::string& path, const World& world, const ImplicitStep& step,
                      const Recorder& recorder, const StepControl& control) {
   const Discretisation& d = *world.discretisation;
   const Comm& comm = world.comm;
@@ -152,7 +152,7 @@ void save_checkpoint(const std::string& path, const World& world, const QuasiSta
   file.commit();
 }
 
-void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& step, Recorder& recorder,
+void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
                      StepControl& control) {
   Discretisation& d = *world.discretisation;
   const Comm& comm = world.comm;

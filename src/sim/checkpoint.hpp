@@ -3,19 +3,19 @@
 
 #include <string>
 
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
 
 namespace berm {
 
 /// Writes the state at t_n; the file appears as a whole or not at all. Collective. Throws RunError.
-void save_checkpoint(const std::string& path, const World& world, const QuasiStaticStep& step,
+void save_checkpoint(const std::string& path, const World& world, const ImplicitStep& step,
                      const Recorder& recorder, const StepControl& control);
 
 /// Puts the state of the file into a world that has just been built from the same case. Collective. Throws InputError if
 /// the file is no checkpoint, of a newer version, or of another case.
-void load_checkpoint(const std::string& path, World& world, QuasiStaticStep& step, Recorder& recorder,
+void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
                      StepControl& control);
 
 }  // namespace berm

@@ -49,7 +49,7 @@ constexpr int displacement_column = 2, load_column = 3;
 
 }  // namespace
 
-Recorder::Recorder(const World& world, const QuasiStaticStep& step, const std::filesystem::path& folder)
+Recorder::Recorder(const World& world, const ImplicitStep& step, const std::filesystem::path& folder)
     : world_(world),
       step_(step),
       folder_(folder),

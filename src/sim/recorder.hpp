@@ -12,7 +12,7 @@
 #include "io/summary.hpp"
 #include "io/vtu.hpp"
 #include "sim/local_fit.hpp"
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 
 namespace berm {
 
@@ -30,7 +30,7 @@ struct RecorderState {
 class Recorder {
 public:
   /// Writes nothing yet.
-  Recorder(const World& world, const QuasiStaticStep& step, const std::filesystem::path& folder);
+  Recorder(const World& world, const ImplicitStep& step, const std::filesystem::path& folder);
 
   /// The unloaded state: first row, first frame.
   void start();
@@ -84,7 +84,7 @@ private:
   const char* axes() const { return dimension_ == 3 ? "xyz" : "xy"; }
 
   const World& world_;
-  const QuasiStaticStep& step_;
+  const ImplicitStep& step_;
   std::filesystem::path folder_;
   int dimension_;
   long n_points_ = 0;  ///< at the start

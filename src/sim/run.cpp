@@ -245,7 +245,7 @@ private:
   std::unique_ptr<Log> open_log_;
   Log& log_;
   std::unique_ptr<World> world_;
-  QuasiStaticStep step_;
+  ImplicitStep step_;
   Recorder recorder_;
   StepControl control_;
   Progress progress_;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "case/read_case.hpp"
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 #include "sim/step_control.hpp"
 #include "sim/world.hpp"
 
@@ -40,7 +40,7 @@ struct Model {
   bool run_stage(const std::function<void(const StepResult&)>& after = {});
 
   std::unique_ptr<World> world;
-  QuasiStaticStep step;
+  ImplicitStep step;
 };
 
 /// Takes all `steps` of a run. Orders of Newton's method seen in the last three residuals of every damaging step that are

@@ -1,4 +1,4 @@
-#include "sim/quasi_static.hpp"
+#include "sim/implicit_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ bool all_elastic(const MaterialState& m) {
 
 }  // namespace
 
-QuasiStaticStep::QuasiStaticStep(World& world)
+ImplicitStep::ImplicitStep(World& world)
     : world_(world), dimension_(world.spec.dimension()) {
   const Case& c = world.spec;
   settings_.space = c.space;
@@ -37,19 +37,19 @@ QuasiStaticStep::QuasiStaticStep(World& world)
 }
 
 /// Over the nodes of all processes; a and b complete at the owned ones.
-double QuasiStaticStep::dot(const NodalVector& a, const NodalVector& b) const {
+double ImplicitStep::dot(const NodalVector& a, const NodalVector& b) const {
   double sum = 0.0;
   for (int i = 0; i < world_.discretisation->halo.n_owned; ++i) sum += a[i].dot(b[i]);
   return world_.comm.sum(sum);
 }
 
-double QuasiStaticStep::norm(const NodalVector& f) const { return std::sqrt(dot(f, f)); }
+double ImplicitStep::norm(const NodalVector& f) const { return std::sqrt(dot(f, f)); }
 
-int QuasiStaticStep::n_mine() const {
+int ImplicitStep::n_mine() const {
   return dimension_ * world_.discretisation->halo.n_owned + (owns_border() ? 1 : 0);
 }
 
-void QuasiStaticStep::prepare(Integration integration) {
+void ImplicitStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
   settings_.integration = integration;
   const bool symmetric =
@@ -65,12 +65,12 @@ void QuasiStaticStep::prepare(Integration integration) {
   lay_out(symmetric);
 }
 
-NodalVector QuasiStaticStep::no_motion() const {
+NodalVector ImplicitStep::no_motion() const {
   return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero());
 }
 
 /// Complete at owned nodes.
-NodalVector QuasiStaticStep::pressure_at(double time, const NodalVector& du) const {
+NodalVector ImplicitStep::pressure_at(double time, const NodalVector& du) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f = no_motion();
   world_.comm.agree([&] { world_.boundary->add_pressure(time, du, 1.0, f, nullptr); });
@@ -78,12 +78,12 @@ NodalVector QuasiStaticStep::pressure_at(double time, const NodalVector& du) con
   return f;
 }
 
-bool QuasiStaticStep::has_weight() const {
+bool ImplicitStep::has_weight() const {
   const Case& c = world_.spec;
   return !c.gravity.is_zero() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.acceleration.is_zero(); });
 }
 
-NodalVector QuasiStaticStep::weight_at(double time) const {
+NodalVector ImplicitStep::weight_at(double time) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   if (!has_weight()) return f;
@@ -96,7 +96,7 @@ NodalVector QuasiStaticStep::weight_at(double time) const {
 }
 
 /// The matrix for the present connectivity, gauge and symmetry.
-void QuasiStaticStep::lay_out(bool symmetric) {
+void ImplicitStep::lay_out(bool symmetric) {
   const Discretisation& d = *world_.discretisation;
   Border border;
   border.active = gauge_ >= 0;
@@ -131,7 +131,7 @@ void QuasiStaticStep::lay_out(bool symmetric) {
 }
 
 /// Unknowns to the nodal increment of the step and the load factor.
-void QuasiStaticStep::scatter(const std::vector<double>& x) {
+void ImplicitStep::scatter(const std::vector<double>& x) {
   const Discretisation& d = *world_.discretisation;
   const std::vector<char>& fixed = world_.boundary->fixed();
   for (int k = 0; k < dimension_ * d.halo.n_owned; ++k)
@@ -141,14 +141,14 @@ void QuasiStaticStep::scatter(const std::vector<double>& x) {
                              : t1_ / world_.spec.duration();
 }
 
-double QuasiStaticStep::gauge_value() const {
+double ImplicitStep::gauge_value() const {
   double value = 0.0;
   for (std::size_t i = 0; i < du_.size(); ++i) value += functional_[i].dot(du_[i]);
   return world_.boundary->gauges()[gauge_].elongation() + world_.comm.sum(value);
 }
 
 /// Of the trial state, complete at owned nodes.
-NodalVector QuasiStaticStep::internal_force() const {
+NodalVector ImplicitStep::internal_force() const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   d.add_internal_force(f);
@@ -158,7 +158,7 @@ NodalVector QuasiStaticStep::internal_force() const {
 
 /// force_ = internal + stabilisation + contact and pins - pressure (gauge: times load factor) - weight, and inertia and
 /// damping, complete at owned nodes. [formulation (1), (14); dynamics (11)]
-void QuasiStaticStep::sum_forces() {
+void ImplicitStep::sum_forces() {
   const Stopwatch watch(times_.assembly);
   const Discretisation& d = *world_.discretisation;
   force_ = internal_force();
@@ -179,7 +179,7 @@ void QuasiStaticStep::sum_forces() {
 }
 
 /// Internal and external forces at the two ends of the step, as the equation of motion weighs them.   [dynamics (11)]
-void QuasiStaticStep::weigh_forces() {
+void ImplicitStep::weigh_forces() {
   const double fresh = motion_->new_internal_weight(), old = motion_->old_internal_weight();
   if (fresh == 1.0 && old == 0.0) return;
   for (std::size_t i = 0; i < force_.size(); ++i) {
@@ -188,7 +188,7 @@ void QuasiStaticStep::weigh_forces() {
   }
 }
 
-bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>& r) {
+bool ImplicitStep::residual(const std::vector<double>& x, std::vector<double>& r) {
   const bool cached = !cached_r_.empty() && x == cached_x_;
   if (world_.comm.all(cached)) {
     r = cached_r_;
@@ -216,7 +216,7 @@ bool QuasiStaticStep::residual(const std::vector<double>& x, std::vector<double>
 }
 
 /// The matrix of the trial state last evaluated.
-void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
+void ImplicitStep::assemble(const std::vector<double>* prescribed) {
   const Stopwatch watch(times_.assembly);
   const Discretisation& d = *world_.discretisation;
   const std::vector<char>& fixed = world_.boundary->fixed();
@@ -240,7 +240,7 @@ void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
 }
 
 /// First guess from the tangent at t_n: K_ff dx = -r(0) - K_fp du_p. The only linear solve of an IMPL-EX step.
-bool QuasiStaticStep::linear_predictor(std::vector<double>& x) {
+bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   const Discretisation& d = *world_.discretisation;
   const std::vector<double> prescribed = prescribed_;
   std::fill(prescribed_.begin(), prescribed_.end(), 0.0);
@@ -263,14 +263,14 @@ bool QuasiStaticStep::linear_predictor(std::vector<double>& x) {
   return true;
 }
 
-std::vector<double> QuasiStaticStep::unknowns_of(const NodalVector& du) const {
+std::vector<double> ImplicitStep::unknowns_of(const NodalVector& du) const {
   std::vector<double> x(n_mine(), 0.0);
   for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k) x[k] = du[k / dimension_][k % dimension_];
   return x;
 }
 
 /// Mean velocity of the prescribed unknowns.
-std::vector<double> QuasiStaticStep::velocity_of_prescribed(double t0, double t1) const {
+std::vector<double> ImplicitStep::velocity_of_prescribed(double t0, double t1) const {
   std::vector<double> v = world_.boundary->prescribed_increment(t0, t1);
   for (double& value : v) value /= t1 - t0;
   return v;
@@ -278,7 +278,7 @@ std::vector<double> QuasiStaticStep::velocity_of_prescribed(double t0, double t1
 
 /// The motion of the nodes at t_n and of the prescribed ones over the step. Prescribed velocities are differences over a
 /// small part of the step at its ends.   [dynamics (6)]
-void QuasiStaticStep::begin_motion(double dt) {
+void ImplicitStep::begin_motion(double dt) {
   const Discretisation& d = *world_.discretisation;
   const Stage& stage = world_.present_stage();
   if (!motion_ready_) {
@@ -298,7 +298,7 @@ void QuasiStaticStep::begin_motion(double dt) {
 }
 
 /// Internal and external forces of the state at t_n, on the nodes of the step.
-void QuasiStaticStep::forces_at_start() {
+void ImplicitStep::forces_at_start() {
   Discretisation& d = *world_.discretisation;
   du_.assign(d.n_nodes(), Vec3::Zero());
   d.evaluate(du_, settings_);
@@ -309,7 +309,7 @@ void QuasiStaticStep::forces_at_start() {
 }
 
 /// The acceleration with which a motion begins: that of the forces.   [dynamics (10)]
-void QuasiStaticStep::start_acceleration() {
+void ImplicitStep::start_acceleration() {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   world_.boundary->add_forces(d, du_, t0_, t0_, f, nullptr);
@@ -320,7 +320,7 @@ void QuasiStaticStep::start_acceleration() {
 }
 
 /// Unknowns to start Newton's method from. False if the matrix of a linear guess could not be factorised.
-bool QuasiStaticStep::first_guess(std::vector<double>& x, int& iterations, Integration integration) {
+bool ImplicitStep::first_guess(std::vector<double>& x, int& iterations, Integration integration) {
   if (motion_) {
     x = unknowns_of(motion_->guess());
     return true;
@@ -334,7 +334,7 @@ bool QuasiStaticStep::first_guess(std::vector<double>& x, int& iterations, Integ
   return linear_predictor(x);
 }
 
-NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
+NewtonResult ImplicitStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
   return newton_->solve(
       x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out); },
       [this](const auto& at) {
@@ -345,13 +345,13 @@ NewtonResult QuasiStaticStep::solve(std::vector<double>& x, double tolerance, bo
 }
 
 /// Throws, on all processes alike, if a motion has no value at the end of the step.
-void QuasiStaticStep::check_motions() const {
+void ImplicitStep::check_motions() const {
   for_each_motion(world_.spec, [this](const TimeFunction& f) {
     if (!f.depends_on_place()) f.at(t1_);
   });
 }
 
-StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
+StepResult ImplicitStep::attempt(double dt, Integration integration) {
   prepare(integration);
   n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
   t0_ = world_.time;
@@ -409,7 +409,7 @@ StepResult QuasiStaticStep::attempt(double dt, Integration integration) {
 }
 
 /// Commit: energies by the trapezoidal rule on forces and displacements, then points, contact, time.
-void QuasiStaticStep::accept() {
+void ImplicitStep::accept() {
   Discretisation& d = *world_.discretisation;
   BoundaryConditions& bc = *world_.boundary;
   const Case& c = world_.spec;
@@ -442,7 +442,7 @@ void QuasiStaticStep::accept() {
 }
 
 /// Velocities of the material, and what damping has taken of its energy.
-void QuasiStaticStep::accept_motion() {
+void ImplicitStep::accept_motion() {
   Discretisation& d = *world_.discretisation;
   const Dynamics& how = world_.present_stage().dynamics;
   NodalVector damping = motion_->damping(d, du_);
@@ -457,7 +457,7 @@ void QuasiStaticStep::accept_motion() {
 }
 
 /// What moves goes on to move unless the stage is quasi-static.
-void QuasiStaticStep::begin_stage() {
+void ImplicitStep::begin_stage() {
   const Stage& stage = world_.present_stage();
   Discretisation& d = *world_.discretisation;
   set_up_stage();
@@ -470,7 +470,7 @@ void QuasiStaticStep::begin_stage() {
 }
 
 /// Solver and integrator of the world's stage.
-void QuasiStaticStep::set_up_stage() {
+void ImplicitStep::set_up_stage() {
   const Stage& stage = world_.present_stage();
   if (newton_) {
     times_.linear += newton_->linear_seconds();
@@ -490,12 +490,12 @@ void QuasiStaticStep::set_up_stage() {
   if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics);
 }
 
-LinearCount QuasiStaticStep::linear_count() const {
+LinearCount ImplicitStep::linear_count() const {
   const LinearCount n = newton_->count(), before = linear_count_;
   return {before.solves + n.solves, before.iterations + n.iterations, before.fallbacks + n.fallbacks};
 }
 
-StepTimes QuasiStaticStep::times() const {
+StepTimes ImplicitStep::times() const {
   StepTimes t = times_;
   t.linear += newton_->linear_seconds();
   return t;

@@ -36,9 +36,9 @@ struct StepTimes {
   double connectivity = 0.0, response = 0.0, assembly = 0.0, linear = 0.0;
 };
 
-class QuasiStaticStep {
+class ImplicitStep {
 public:
-  explicit QuasiStaticStep(World& world);
+  explicit ImplicitStep(World& world);
 
   /// Tries to reach time + dt. The world does not change. Collective.
   StepResult attempt(double dt, Integration integration);
