@@ -145,6 +145,11 @@ ENERGIES = (
     ("elastic_energy", "Elastic", "#0b5394", "-"),
     ("dissipated_energy", "Dissipated", "#c0504d", "-"),
 )
+MOTION_ENERGIES = (
+    ("kinetic_energy", "Kinetic", "#009e73"),
+    ("damping_energy", "Damping", "#999999"),
+    ("friction_energy", "Friction", "#cc79a7"),
+)
 
 
 def energy_figure(runs, labels):
@@ -165,9 +170,14 @@ def energy_figure(runs, labels):
         for column, name, colour, style in ENERGIES:
             panel.plot(time, run.history[column] / factor, color=colour, linestyle=style, label=name)
         inner = run.history["elastic_energy"] + run.history["dissipated_energy"]
-        panel.plot(
-            time, inner / factor, color="#e69f00", linestyle=(0, (4, 2)), linewidth=1.2, label="Elastic + dissipated"
-        )
+        for column, name, colour in MOTION_ENERGIES:
+            if column in run.history:
+                energy = run.history[column]
+                inner = inner + energy
+                panel.plot(time, energy / factor, color=colour, linewidth=1.0, label=name)
+        if "kinetic_energy" in run.history:
+            inner = inner - run.history["kinetic_energy"][0]
+        panel.plot(time, inner / factor, color="#e69f00", linestyle=(0, (4, 2)), linewidth=1.2, label="Sum of all but it")
         panel.set_title(label, loc="left")
         panel.margins(x=0.01)
     for panel in list(panels.flat)[len(drawn) :]:

@@ -161,6 +161,16 @@ class Pictures:
         )
 
 
+    def animation_html(self, data, name, alt, caption):
+        with open(os.path.join(self.folder, f"{name}.gif"), "wb") as file:
+            file.write(data)
+        text = base64.b64encode(data).decode()
+        return (
+            f'<figure><img alt="{html.escape(alt)}" src="data:image/gif;base64,{text}">'
+            f"<figcaption>{html.escape(caption)}</figcaption></figure>"
+        )
+
+
 def curves_html(runs, labels, references, pictures):
     from berm.figures import LOAD_DISPLACEMENT, STRESS_STRAIN, curve_figure
 
@@ -187,10 +197,28 @@ def energies_html(runs, labels, pictures):
     figure = energy_figure(runs, labels)
     if not figure:
         return ""
-    note = "External work and the sum of elastic and dissipated energy coincide when the energy balance holds."
+    note = (
+        "External work and the sum of what is stored, dissipated and in motion (less what was in motion at the start) "
+        "coincide when the energy balance holds."
+    )
     return (
         f'<h2>Energies</h2><div class="figures">{pictures.html(figure, "energies", "Energies over time", note)}</div>'
     )
+
+
+def motion_html(runs, labels, pictures):
+    """Moving pictures of the plane runs with motion."""
+    from berm.animation import animate
+
+    parts = []
+    for number, (run, label) in enumerate(zip(runs, labels)):
+        if "kinetic_energy" not in run.history:
+            continue
+        data, shown = animate(run)
+        if data:
+            name = "motion" if len(runs) == 1 else f"motion_{number + 1}"
+            parts.append(pictures.animation_html(data, name, f"Motion of {label}", f"{label}: {shown}"))
+    return f'<h2>Motion</h2><div class="figures">{"".join(parts)}</div>' if parts else ""
 
 
 def frame_indices(runs):
@@ -421,6 +449,7 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
                 f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
                 curves_html(runs, labels, curves, pictures),
                 energies_html(runs, labels, pictures),
+                motion_html(runs, labels, pictures),
                 fields_html(runs, labels, scale, pictures),
                 inputs_html(runs, labels),
                 "</body></html>\n",

@@ -97,12 +97,13 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
       rigid_offset_(c.bodies.size(), Vec3::Zero()) {
   read_boundaries(c, d);
   read_pressures(c, surface);
+  read_absorbing(c, surface);
   read_contacts(c, d, surface);
   read_pins_and_gauges(c, d);
   boundaries_at_.clear();
   begin_stage(c.stages.empty() ? "" : c.stages.front().name);
   if (comm_.is_root()) return;
-  pressures_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
+  pressures_.clear(), dashpots_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
 }
 
 void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
@@ -195,6 +196,31 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
     }
     if (!any)
       throw InputError(fmt::format("[pressure.{}] catches no part of the surface of body \"{}\": check its where",
+                                   spec.name, spec.body));
+  }
+}
+
+void BoundaryConditions::read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface) {
+  for (std::size_t k = 0; k < c.absorbing.size(); ++k) {
+    const Absorbing& spec = c.absorbing[k];
+    const int body = body_index(c, spec.body);
+    bool any = false;
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
+      const double share = share_inside(spec.where, s, dimension_);
+      if (share == 0.0) continue;
+      const Mat3 nn = s.normal * s.normal.transpose();
+      DashpotPoint point;
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(dashpots_.size());
+      point.absorbing = static_cast<int>(k);
+      point.damping = share * s.area * spec.density *
+                      (spec.p_wave_speed * nn + spec.s_wave_speed * (Mat3::Identity() - nn));
+      any = true;
+      dashpots_.push_back(point);
+    }
+    if (!any)
+      throw InputError(fmt::format("[absorbing.{}] catches no part of the surface of body \"{}\": check its where",
                                    spec.name, spec.body));
   }
 }
@@ -300,6 +326,7 @@ void BoundaryConditions::travel(std::vector<Point>& points, const Discretisation
 
 void BoundaryConditions::move_anchors(const Discretisation& d) {
   travel(pressures_, d);
+  travel(dashpots_, d);
   travel(contacts_, d);
   travel(rigid_points_, d);
   travel(pins_, d);
@@ -311,6 +338,7 @@ void BoundaryConditions::move_anchors(const Discretisation& d) {
   });
   anchors_.clear();
   for (PressurePoint& p : pressures_) anchors_.push_back(&p.anchor);
+  for (DashpotPoint& p : dashpots_) anchors_.push_back(&p.anchor);
   for (ContactPoint& p : contacts_) anchors_.push_back(&p.anchor);
   for (RigidPoint& p : rigid_points_) anchors_.push_back(&p.anchor);
   for (PinPoint& p : pins_) anchors_.push_back(&p.anchor);
@@ -450,31 +478,42 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   return sliding;
 }
 
+void BoundaryConditions::add_at(const Anchor& a, const Vec3& force, const Mat3& stiffness, NodalVector& f,
+                                BlockAssembler* matrix) const {
+  const Stencil& s = a.stencil;
+  for (int i = 0; i < s.n; ++i) f[s.node[i]] -= s.N[i] * force;
+  if (!matrix) return;
+  const int d = dimension_, width = d * s.n;
+  std::array<double, 9 * 20 * 20> K;
+  for (int i = 0; i < s.n; ++i)
+    for (int j = 0; j < s.n; ++j)
+      for (int p = 0; p < d; ++p)
+        for (int q = 0; q < d; ++q) K[(d * i + p) * width + d * j + q] = s.N[i] * s.N[j] * stiffness(p, q);
+  matrix->add(a.block, K.data());
+}
+
+/// t = -rho (c_p n n + c_s (1 - n n)) v   [boundaries (13)]
+void BoundaryConditions::add_dashpots(const NodalVector& v, double dv_by_du, NodalVector& f,
+                                      BlockAssembler* matrix) const {
+  for (const DashpotPoint& p : dashpots_) {
+    if (!acts(case_.absorbing[p.absorbing].stages)) continue;
+    add_at(p.anchor, -p.damping * p.anchor.stencil.interpolate(v), dv_by_du * p.damping, f, matrix);
+  }
+}
+
 void BoundaryConditions::add_forces(const Discretisation& discretisation, const NodalVector& du, double t0, double t1,
                                     NodalVector& f, BlockAssembler* matrix) const {
   const int d = dimension_;
   std::vector<double> K;
-  auto add = [&](const Anchor& a, const Vec3& force, const Mat3& stiffness) {
-    const Stencil& s = a.stencil;
-    for (int i = 0; i < s.n; ++i) f[s.node[i]] -= s.N[i] * force;
-    if (!matrix) return;
-    const int width = d * s.n;
-    K.resize(std::size_t(width) * width);
-    for (int i = 0; i < s.n; ++i)
-      for (int j = 0; j < s.n; ++j)
-        for (int p = 0; p < d; ++p)
-          for (int q = 0; q < d; ++q) K[(d * i + p) * width + d * j + q] = s.N[i] * s.N[j] * stiffness(p, q);
-    matrix->add(a.block, K.data());
-  };
   for (const ContactPoint& p : contacts_) {
     const ContactForce c = contact_force(p, du, t0, t1);
-    if (c.active) add(p.anchor, c.force, c.stiffness);
+    if (c.active) add_at(p.anchor, c.force, c.stiffness, f, matrix);
   }
   grid_contact_.add_forces(discretisation, du, f, matrix);
   for (const PinPoint& pin : pins_) {
     if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
-    add(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k);
+    add_at(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k, f, matrix);
   }
   for (const LocalInclined& local : local_inclined_) {
     const InclinedNode& node = inclined_[local.index];
@@ -726,6 +765,8 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
   if (kind == 4 && comm_.is_root())
     for (std::size_t k = 0; k < inclined_.size(); ++k)
       append_row(rows, static_cast<int>(k), Anchor{}, Vec3(inclined_[k].push, 0.0, 0.0));
+  if (kind == 5)
+    for (const DashpotPoint& p : dashpots_) append_row(rows, p.id, p.anchor);
   return rows;
 }
 
@@ -745,6 +786,8 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
     if (kind == 3 && id < 2 * static_cast<int>(gauges_.size()))
       restore_anchor(id % 2 == 0 ? gauges_[id / 2].from : gauges_[id / 2].to, row);
     if (kind == 4 && id < static_cast<int>(inclined_.size())) inclined_[id].push = row[16];
+    if (kind == 5)
+      if (DashpotPoint* p = point_of(dashpots_, id)) restore_anchor(p->anchor, row);
   }
 }
 

@@ -49,6 +49,8 @@ public:
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, double t0, double t1, NodalVector& f,
                   BlockAssembler* matrix) const;
+  /// Forces of dashpots that resist the velocity v of the nodes, added to f; their matrix times dv/du, if wanted.
+  void add_dashpots(const NodalVector& v, double dv_by_du, NodalVector& f, BlockAssembler* matrix) const;
   /// Pressure forces at that time on the surface as du has moved it, times factor, added to f; what they take from the
   /// matrix, if wanted.
   void add_pressure(double time, const NodalVector& du, double factor, NodalVector& f, BlockAssembler* matrix) const;
@@ -77,8 +79,8 @@ public:
   std::string idle_boundary() const;
 
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
-  /// gauges, 4 inclined boundaries.
-  static constexpr int n_kinds = 5;
+  /// gauges, 4 inclined boundaries; of all: 5 dashpots.
+  static constexpr int n_kinds = 6;
   static constexpr int row_width = 19;  ///< id, x, u, F, slip
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
@@ -123,6 +125,9 @@ private:
   void find_inclined(const Discretisation& d);
   double push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const;
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
+  void read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface);
+  /// A force on the body at an anchor, which resists with that stiffness.
+  void add_at(const Anchor& a, const Vec3& force, const Mat3& stiffness, NodalVector& f, BlockAssembler* matrix) const;
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
   void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
   void read_pins_and_gauges(const Case& c, const Discretisation& d);
@@ -147,6 +152,7 @@ private:
   bool by_place_ = false;  ///< a prescribed displacement depends on the place
   std::map<std::pair<int, int>, std::vector<int>> boundaries_at_;  ///< node, component -> boundaries, while reading
   std::vector<PressurePoint> pressures_;
+  std::vector<DashpotPoint> dashpots_;
   std::vector<ContactPoint> contacts_;
   std::vector<RigidPoint> rigid_points_;
   std::vector<PinPoint> pins_;

@@ -33,6 +33,13 @@ struct PressurePoint {
   Vec3 area = Vec3::Zero();    ///< times the direction into the body, at reference [m2]
 };
 
+/// A surface point with dashpots.
+struct DashpotPoint {
+  Anchor anchor;
+  int id = 0, absorbing = 0;      ///< absorbing: index into the case's absorbing boundaries
+  Mat3 damping = Mat3::Zero();    ///< [N s/m]
+};
+
 /// A surface point against a rigid body.
 struct ContactPoint {
   Anchor anchor;
@@ -58,6 +65,8 @@ struct PinPoint {
 
 template <>
 inline constexpr bool is_plain<PressurePoint> = true;
+template <>
+inline constexpr bool is_plain<DashpotPoint> = true;
 template <>
 inline constexpr bool is_plain<ContactPoint> = true;
 template <>

@@ -110,6 +110,15 @@ struct Pressure {
   Stages stages;
 };
 
+/// Dashpots on the surface of a body that let waves out (Lysmer and Kuhlemeyer 1969), in dynamic stages.
+struct Absorbing {
+  std::string name, body;
+  Where where;
+  double p_wave_speed = 0.0, s_wave_speed = 0.0;  ///< of the ground beyond [m/s]
+  double density = 0.0;                           ///< of the ground beyond [kg/m3]
+  Stages stages;
+};
+
 /// A deformable body's surface against a rigid body, or against another deformable one at the nodes of the grid.
 struct Contact {
   std::string name, body, rigid, other;  ///< one of rigid and other
@@ -268,6 +277,7 @@ struct Case {
   std::vector<NodeBoundary> boundaries;
   std::vector<Pin> pins;
   std::vector<Pressure> pressures;
+  std::vector<Absorbing> absorbing;
   std::vector<Contact> contacts;
   Control control;
   Steps steps;        ///< of a run with a single stage

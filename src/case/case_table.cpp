@@ -178,6 +178,7 @@ Table<Case> make_case_table() {
   t.named("boundary", &Case::boundaries, boundary_table());
   t.named("pin", &Case::pins, pin_table());
   t.named("pressure", &Case::pressures, pressure_table());
+  t.named("absorbing", &Case::absorbing, absorbing_table());
   t.named("contact", &Case::contacts, contact_table());
   t.table("control", &Case::control, control_table());
   t.table("steps", &Case::steps, steps_table()).only_without("stage");

@@ -108,6 +108,7 @@ private:
   void check_loads() const {
     for (const Pin& pin : c_.pins) refer_body(at("pin", pin.name), "body", pin.body, false);
     for (const Pressure& p : c_.pressures) refer_body(at("pressure", p.name), "body", p.body, false);
+    for (const Absorbing& a : c_.absorbing) refer_body(at("absorbing", a.name), "body", a.body, false);
     for (const Contact& contact : c_.contacts) {
       const Scope scope = at("contact", contact.name);
       refer_body(scope, "body", contact.body, false);
@@ -171,6 +172,7 @@ private:
   void check_groups() const {
     for (const NodeBoundary& b : c_.boundaries) check_group(at("boundary", b.name), b.where);
     for (const Pressure& p : c_.pressures) check_group(at("pressure", p.name), p.where);
+    for (const Absorbing& a : c_.absorbing) check_group(at("absorbing", a.name), a.where);
   }
 
   /// Reports a radius smaller than zero, beyond rounding. `scale`: how large what is looked at is.
@@ -260,6 +262,7 @@ private:
     check_names_of_stages("boundary", c_.boundaries);
     check_names_of_stages("pin", c_.pins);
     check_names_of_stages("pressure", c_.pressures);
+    check_names_of_stages("absorbing", c_.absorbing);
     check_names_of_stages("contact", c_.contacts);
     for (const Stage& stage : c_.stages) {
       if (stage.solver.ghost_penalty != c_.solver.ghost_penalty)

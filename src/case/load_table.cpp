@@ -152,6 +152,23 @@ Table<Pressure> pressure_table() {
   return t;
 }
 
+Table<Absorbing> absorbing_table() {
+  Table<Absorbing> t(
+      "Dashpots on the surface of a body that let waves out into the ground beyond (Lysmer and Kuhlemeyer 1969); they act in "
+      "dynamic stages.");
+  t.string("body", &Absorbing::body, "name of a deformable body", "on which body").required();
+  t.table("where", &Absorbing::where, where_table()).required();
+  t.number("p_wave_speed", &Absorbing::p_wave_speed, Unit::velocity, positive(),
+           "of the ground beyond, sqrt(E (1 - nu) / ((1 + nu) (1 - 2 nu) density)) if elastic")
+      .required();
+  t.number("s_wave_speed", &Absorbing::s_wave_speed, Unit::velocity, non_negative(),
+           "of the ground beyond, sqrt(E / (2 (1 + nu) density)) if elastic")
+      .required();
+  t.number("density", &Absorbing::density, Unit::density, positive(), "of the ground beyond").required();
+  add_stages(t);
+  return t;
+}
+
 Table<Contact> contact_table() {
   using Kind = Contact::Kind;
   Table<Contact> t(

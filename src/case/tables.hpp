@@ -26,6 +26,7 @@ Table<Body> body_table();
 Table<NodeBoundary> boundary_table();
 Table<Pin> pin_table();
 Table<Pressure> pressure_table();
+Table<Absorbing> absorbing_table();
 Table<Contact> contact_table();
 
 // run_table.cpp

@@ -171,6 +171,7 @@ void ImplicitStep::sum_forces() {
     force_scale_ = std::max(force_scale_, inertia_scale_);
     weigh_forces();
     motion_->add_forces(d, du_, resisting, nullptr);
+    world_.boundary->add_dashpots(motion_->velocity(du_), 0.0, resisting, nullptr);
   }
   d.add_stabilisation(du_, resisting, nullptr);
   world_.boundary->add_forces(d, du_, t0_, t1_, resisting, nullptr);
@@ -226,6 +227,7 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
   if (motion_) {
     assembler_.scale(motion_->new_internal_weight());
     motion_->add_forces(d, du_, unused, &assembler_);
+    world_.boundary->add_dashpots(motion_->velocity(du_), motion_->velocity_by_increment(), unused, &assembler_);
   }
   d.add_stabilisation(du_, unused, &assembler_);
   world_.boundary->add_forces(d, du_, t0_, t1_, unused, &assembler_);
@@ -446,6 +448,7 @@ void ImplicitStep::accept_motion() {
   Discretisation& d = *world_.discretisation;
   const Dynamics& how = world_.present_stage().dynamics;
   NodalVector damping = motion_->damping(d, du_);
+  world_.boundary->add_dashpots(motion_->velocity(du_), 0.0, damping, nullptr);
   d.halo.add_to_owners(damping.data()->data(), 3);
   balance_.damped += dot(damping, du_);
   if (how.rayleigh_stiffness > 0.0) {

@@ -85,7 +85,7 @@ NodalVector Newmark::velocity(const NodalVector& du) const {
 
 void Newmark::add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const {
   const double by_a = (1.0 - old_mass_) / (beta_ * dt_ * dt_),
-               by_v = how_.rayleigh_mass * new_weight() * gamma_ / (beta_ * dt_);
+               by_v = how_.rayleigh_mass * new_weight() * velocity_by_increment();
   NodalVector a = acceleration(du);
   const NodalVector v = velocity(du);
   for (std::size_t i = 0; i < a.size(); ++i)

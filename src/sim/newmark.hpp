@@ -25,6 +25,8 @@ public:
   NodalVector acceleration(const NodalVector& du) const;  ///< likewise     [(4)]
   const NodalVector& velocity() const { return v0_; }     ///< at t_n
 
+  double velocity_by_increment() const { return gamma_ / (beta_ * dt_); }  ///< dv/du at t_{n+1}
+
   /// The weight of the internal and external forces of t_{n+1} in the equation of motion, and of those of t_n; the
   /// internal ones with Rayleigh's stiffness damping.   [(11), (13)]
   double new_weight() const { return 1.0 - old_; }
