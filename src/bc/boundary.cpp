@@ -162,15 +162,17 @@ void BoundaryConditions::prescribe(int node, const Vec3& at, int component, int 
 void BoundaryConditions::begin_stage(const std::string& name) {
   stage_ = name;
   connectivity_ = -1;
-  grid_contact_.clear();
+  std::vector<FieldContact> contacts;
   const std::vector<int> field = fields_of_bodies(case_);
   for (const Contact& c : case_.contacts) {
     if (c.other.empty() || !acts(c.stages)) continue;
     const int a = body_index(case_, c.body), b = body_index(case_, c.other);
     const double youngs = std::min(stiffness_of(case_, a), stiffness_of(case_, b));
     const double depth = is_plane(case_.space) ? case_.thickness : cell_size_;
-    grid_contact_.add({std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs * depth});
+    contacts.push_back(
+        {std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs * depth});
   }
+  grid_contact_.set(std::move(contacts));
 }
 
 bool BoundaryConditions::acts(const Stages& stages) const {
@@ -619,7 +621,8 @@ double BoundaryConditions::friction_work(const Discretisation& d, const NodalVec
   return comm_.sum(heat);
 }
 
-void BoundaryConditions::commit(const NodalVector& du, double t0, double t1) {
+void BoundaryConditions::commit(const Discretisation& d, const NodalVector& du, double t0, double t1) {
+  grid_contact_.commit(d, du);
   for (ContactPoint& p : contacts_) p.slip = contact_force(p, du, t0, t1).slip;
   if (!inclined_.empty()) {
     std::vector<double> push(inclined_.size(), 0.0);

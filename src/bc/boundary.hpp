@@ -58,7 +58,10 @@ public:
   bool symmetric() const;
 
   /// Contact state at the end of the step, before the anchors move; gauges once they have. Collective.
-  void commit(const NodalVector& du, double t0, double t1);
+  void commit(const Discretisation& d, const NodalVector& du, double t0, double t1);
+  /// Between deformable bodies.
+  GridContact& grid_contact() { return grid_contact_; }
+  const GridContact& grid_contact() const { return grid_contact_; }
   void share_gauges();
 
   /// What supports and rigid bodies do to the material at the increment du, whose nodal residual (complete at owned

@@ -12,27 +12,31 @@ struct CoulombForce {
   bool touches = false;
 };
 
-/// relative: increment of a against b over the step; normal: out of a, a unit vector; gap: what is left before they
-/// touch. The tangential force follows the increment (stick) up to friction times the pressure (slip); it starts from zero in
-/// every step.
-inline CoulombForce coulomb(const Vec3& relative, const Vec3& normal, double gap, double stiffness, double friction) {
+/// relative: increment of a against b over the step; carried: the force at t_n; normal: out of a, a unit vector; gap: what
+/// is left before they touch. Bodies that just touch count as closed, so that one that is laid on another is held from the
+/// first guess on.
+inline CoulombForce coulomb(const Vec3& relative, const Vec3& carried, const Vec3& normal, double gap, double stiffness,
+                            double friction) {
   CoulombForce out;
-  const double approach = relative.dot(normal) - gap;
-  if (approach <= 0.0) return out;
+  const Vec3 trial = carried + stiffness * relative;
+  const double pressure = trial.dot(normal) - stiffness * gap;
+  if (pressure < 0.0) return out;
   out.touches = true;
-  const double pressure = stiffness * approach;
   const Mat3 nn = normal * normal.transpose();
-  const Vec3 slip = relative - nn * relative;
-  const double length = slip.norm(), limit = friction * pressure;
-  if (stiffness * length <= limit) {
-    out.force = pressure * normal + stiffness * slip;
-    out.stiffness = stiffness * (friction > 0.0 ? Mat3(Mat3::Identity()) : nn);
+  const Vec3 shear = trial - nn * trial;
+  const double size = shear.norm(), limit = friction * pressure;
+  if (friction > 0.0 && size <= limit) {
+    out.force = pressure * normal + shear;
+    out.stiffness = stiffness * Mat3::Identity();
     return out;
   }
-  const Vec3 direction = slip / length;
-  out.force = pressure * normal + limit * direction;
-  out.stiffness = stiffness * (nn + friction * direction * normal.transpose()) +
-                  limit / length * (Mat3::Identity() - nn - direction * direction.transpose());
+  out.force = pressure * normal;
+  out.stiffness = stiffness * nn;
+  if (limit == 0.0 || size == 0.0) return out;
+  const Vec3 direction = shear / size;
+  out.force += limit * direction;
+  out.stiffness += stiffness * friction * direction * normal.transpose() +
+                   stiffness * limit / size * (Mat3::Identity() - nn - direction * direction.transpose());
   return out;
 }
 

@@ -29,8 +29,10 @@ void set_ends(Case& c) {
   const double end = first.end(), load_end = first.steps.analysis == Analysis::dynamic ? 0.0 : end;
   for_each_motion(c, [end](TimeFunction& f) { f.set_end(end); });
   for (TimeFunction& g : c.gravity.component) g.set_end(load_end);
-  for (Body& b : c.bodies)
+  for (Body& b : c.bodies) {
     for (TimeFunction& a : b.acceleration.component) a.set_end(load_end);
+    for (TimeFunction& v : b.velocity.component) v.set_end(0.0);
+  }
   for (Pressure& p : c.pressures) {
     p.value.set_end(load_end);
     if (p.traction)

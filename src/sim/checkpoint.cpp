@@ -148,6 +148,8 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
     const std::vector<double> rows = world.boundary->rows(kind);
     file.write(fmt::format("anchors/{}", kind), std::span<const double>(rows), BoundaryConditions::row_width);
   }
+  const std::vector<double> between_bodies = world.boundary->grid_contact().rows();
+  file.write("contact/grid", from_root(comm, between_bodies), 5);
   save_recorder(file, comm, recorder.state());
   file.commit();
 }
@@ -189,6 +191,7 @@ void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, 
                   read_share<double>(file, comm, "nodes/state", Discretisation::node_width));
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
     world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width));
+  world.boundary->grid_contact().restore(read_all(file, "contact/grid", 5));
   world.boundary->restore_rigid(world.time);
   world.begin_step();
   recorder.resume(load_recorder(file));

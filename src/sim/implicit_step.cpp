@@ -433,7 +433,7 @@ void ImplicitStep::accept() {
   balance_.friction_work += bc.friction_work(d, du_, t0_, t1_);
   if (motion_) accept_motion();
 
-  bc.commit(du_, t0_, t1_);
+  bc.commit(d, du_, t0_, t1_);
   d.commit(du_, bc.anchors());
   bc.share_gauges();
   last_du_ = du_;

@@ -42,7 +42,9 @@ void MpmDiscretisation::look_at_interfaces() {
   halo.add_to_owners(reinterpret_cast<double*>(outward.data()), 3);
   NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of the one with the lower number
   for (Interface& at : interfaces_) {
-    const Vec3 difference = outward[at.a] - outward[at.b];
+    // The larger gradient knows better: at the corner of a body on a flat one that of the flat one.
+    const Vec3 difference = std::pow(outward[at.a].squaredNorm(), 4) * outward[at.a] -
+                            std::pow(outward[at.b].squaredNorm(), 4) * outward[at.b];
     const double size = difference.norm();
     at.normal = size > 0.0 ? Vec3(difference / size) : Vec3::Zero();
     normal[at.a] = at.normal;

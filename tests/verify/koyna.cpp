@@ -15,7 +15,7 @@ namespace {
 using std::numbers::pi;
 
 /// A short kick: the velocity of the crest.
-const std::string koyna = R"(
+const std::string koyna = R"toml(
 [model]
 plane = "stress"
 kinematics = "small"
@@ -41,7 +41,7 @@ analysis = "dynamic"
 duration = 8.0
 count = 3200
 adaptive = false
-)";
+)toml";
 
 /// Frequency of the largest Fourier component between two bounds [rad/s], with a Hann window.
 double peak_frequency(const std::vector<double>& signal, double dt, double from, double to) {

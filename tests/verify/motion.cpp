@@ -43,7 +43,7 @@ Momentum momentum_of(const Model& model) {
 
 // ---- a block that falls: V5
 
-const std::string falling_block = R"(
+const std::string falling_block = R"toml(
 [model]
 gravity = [0.0, -9.81]
 [grid]
@@ -63,7 +63,7 @@ velocity = [2.0, 0.0]
 analysis = "dynamic"
 duration = 1.0
 count = 100
-)";
+)toml";
 
 class FallingBlock : public testing::TestWithParam<const char*> {};
 
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(Transfers, FallingBlock, testing::Values("flip", "pic",
 
 /// Weight first, at rest on a support; then the support lets go: the broken crest of a dam.
 TEST(FallingBlock, FallsAfterGravityHasBeenAppliedAtRest) {
-  const std::string text = R"(
+  const std::string text = R"toml(
 [model]
 gravity = [0.0, -9.81]
 [grid]
@@ -116,7 +116,7 @@ count = 2
 analysis = "dynamic"
 duration = 0.5
 count = 200
-)";
+)toml";
   Model model(text);
   ASSERT_TRUE(model.run_stage());
   const Vec3 start = momentum_of(model).centre;
@@ -137,7 +137,7 @@ count = 200
 
 /// One row of cells that holds a bar of length 25, clamped at x = 0.
 std::string vibrating_bar(int cells, double duration, int steps) {
-  return fmt::format(R"(
+  return fmt::format(R"toml(
 [grid]
 origin = [0.0, 0.0]
 cell_size = [{0}, {0}]
@@ -162,7 +162,7 @@ analysis = "dynamic"
 duration = {2}
 count = {3}
 adaptive = false
-)",
+)toml",
                      25.0 / cells, cells + 2, duration, steps);
 }
 
@@ -262,7 +262,7 @@ TEST(VibratingBar, FemMovesAlike) {
 
 // ---- a disc that turns: V4
 
-const std::string turning_disc = R"(
+const std::string turning_disc = R"toml(
 [grid]
 origin = [-1.5, -1.5]
 cell_size = 0.1
@@ -283,7 +283,7 @@ count = 800
 adaptive = false
 [solver]
 ghost_penalty = 0.001
-)";
+)toml";
 
 TEST(TurningDisc, KeepsItsAngularMomentum) {
   for (const auto& [transfer, most] : {std::pair{"flip", 0.02}, std::pair{"apic", 0.02}, std::pair{"pic", 1.0}}) {
