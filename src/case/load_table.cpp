@@ -95,8 +95,7 @@ Table<NodeBoundary> boundary_table() {
   t.function("uz", component(2), Unit::length, true,
              "displacement along z; a number is reached linearly at the end of the run; in expressions x, y, z are the "
              "place of the node at the start; free without it");
-  t.only([](const Scope& s, const NodeBoundary&) { return s.dimension() == 3 && !s.has("normal"); },
-         "in space ([model] dimension = 3) and without \"normal\"");
+  t.only_in_space();
   t.vector("normal", &NodeBoundary::normal, Unit::none,
            "for nodes on an inclined line or plane: they move along it freely and by `un` in this direction");
   t.function("un", &NodeBoundary::un, Unit::length, false,
@@ -107,6 +106,7 @@ Table<NodeBoundary> boundary_table() {
       s.at_least_one({"ux", "uy", "normal"});
     else
       s.at_least_one({"ux", "uy", "uz", "normal"});
+    if (b.normal && b.u[2]) s.error("uz", "is only allowed without \"normal\"");
     if (b.normal && b.normal->isZero()) s.error("normal", "must not be zero");
     if (b.normal) b.normal->normalize();
   });

@@ -230,10 +230,10 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-/// |W_ext - W_el - W_diss| / |W_ext|.
+/// |W_ext - W_el - W_diss| / |W_ext|, with the heat of sliding contact.
 double Recorder::energy_error(double stored, double dissipated) const {
-  const double work = step_.balance().external_work;
-  return work == 0.0 ? 0.0 : std::abs(work - stored - dissipated) / std::abs(work);
+  const double work = step_.balance().external_work, lost = dissipated + step_.balance().friction_work;
+  return work == 0.0 ? 0.0 : std::abs(work - stored - lost) / std::abs(work);
 }
 
 void Recorder::write_row(const StepResult& result, Integration integration) {

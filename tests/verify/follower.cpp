@@ -124,23 +124,25 @@ TEST(FollowingPressure, WidensATubeTotalLagrangian) {
   widen("mpm, total Lagrangian, cut cells", tube("mpm", "formulation = \"total_lagrangian\"\n", 10), 10, 0.01);
 }
 
-/// With the matrix of the load Newton's method is quadratic in large steps.
+/// With the matrix of the load Newton's method is quadratic in large steps: r_(k+1) < C r_k^2 with a C of the order of 1.
+/// Without it every iteration only gains a digit (C of 1e3 and more for r_k = 1e-4).
 TEST(FollowingPressure, NewtonIsQuadratic) {
   for (const std::string method : {"fem", "mpm"}) {
-    double least = 9.0;
+    double worst = 0.0;
+    int seen = 0;
     Model model(tube(method, "", 10), {"steps.count=5", "solver.relative_tolerance=1e-12"});
     ASSERT_TRUE(model.run([&](const StepResult& result) {
       const std::vector<double>& r = result.residuals;
-      for (std::size_t i = r.size(); i-- > 2;)
-        if (r[i] > 1e-10) {
-          least = std::min(least, std::log(r[i] / r[i - 1]) / std::log(r[i - 1] / r[i - 2]));
-          break;
+      for (std::size_t i = 1; i < r.size(); ++i)
+        if (r[i - 1] > 1e-5 && r[i - 1] < 1e-2) {
+          worst = std::max(worst, r[i] / (r[i - 1] * r[i - 1]));
+          ++seen;
         }
     }));
-    EXPECT_GT(least, 1.6);
-    EXPECT_LT(least, 3.0);
-    record({group, method + ": least order of Newton's method while the tube widens, 5 steps", least, "2", "> 1.6",
-            "exact linearisation"});
+    EXPECT_GE(seen, 5);
+    EXPECT_LT(worst, 10.0);
+    record({group, method + ": largest r_(k+1)/r_k^2 of Newton's method while the tube widens, 5 steps", worst,
+            "of the order of 1", "10", "quadratic convergence"});
   }
 }
 
