@@ -133,7 +133,7 @@ private:
   double cell_size_ = 0.0;
   std::vector<NodeCondition> conditions_;
   std::vector<InclinedNode> inclined_;
-  bool by_place_ = false;  ///< a prescribed displacement depends on the place
+  bool by_place_ = false;                             ///< a prescribed displacement depends on the place
   std::map<std::pair<int, int>, std::size_t> owner_;  ///< node, component -> index into conditions_
   std::vector<PressurePoint> pressures_;
   std::vector<ContactPoint> contacts_;

@@ -39,7 +39,8 @@ Table<Where::Sector> sector_table() {
 Table<Where::HalfSpace> half_space_table() {
   using HalfSpace = Where::HalfSpace;
   Table<HalfSpace> t("Everything on one side of an inclined line (in space: plane).");
-  t.vector("at", &HalfSpace::at, Unit::length, "a place on it; to catch what lies on it, a little before it").required();
+  t.vector("at", &HalfSpace::at, Unit::length, "a place on it; to catch what lies on it, a little before it")
+      .required();
   t.vector("normal", &HalfSpace::normal, Unit::none, "points to the side that is meant").required();
   t.check([](Scope& s, HalfSpace& h) {
     if (h.normal.isZero()) s.error("normal", "must not be zero");
@@ -122,8 +123,7 @@ Table<Pin> pin_table() {
 }
 
 Table<Pressure> pressure_table() {
-  Table<Pressure> t(
-      "Pressure on the surface of a body. The loaded points move with the material.");
+  Table<Pressure> t("Pressure on the surface of a body. The loaded points move with the material.");
   t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
@@ -149,7 +149,8 @@ Table<Contact> contact_table() {
                                                      {"friction", Kind::friction},
                                                      {"shared_nodes", Kind::shared_nodes}},
            "tie: surfaces that touch at the start move together; no_slip: can open, no sliding; frictionless: can open "
-           "and slide; friction: can open, slides where the shear reaches `friction` times the pressure; shared_nodes (mpm): "
+           "and slide; friction: can open, slides where the shear reaches `friction` times the pressure; shared_nodes "
+           "(mpm): "
            "the grid nodes around the rigid body's points move with it");
   t.number("friction", &Contact::friction, Unit::none, positive(),
            "Coulomb's coefficient of friction, the tangent of the friction angle")

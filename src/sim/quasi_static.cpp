@@ -62,9 +62,7 @@ void QuasiStaticStep::prepare(Integration integration) {
   lay_out(symmetric);
 }
 
-NodalVector QuasiStaticStep::no_motion() const {
-  return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero());
-}
+NodalVector QuasiStaticStep::no_motion() const { return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero()); }
 
 /// Complete at owned nodes.
 NodalVector QuasiStaticStep::pressure_at(double time, const NodalVector& du) const {
@@ -325,7 +323,8 @@ void QuasiStaticStep::accept() {
   work += bc.support_work(before, now, t0_, t1_);
   balance_.reactions = now;
   const double time_before = gauge_ >= 0 ? load_time() : t0_, factor_before = gauge_ >= 0 ? world_.load_factor : 1.0;
-  work += 0.5 * (factor_before * dot(pressure_at(time_before, no_motion()), du_) + pressure_factor() * dot(pressure_, du_));
+  work +=
+      0.5 * (factor_before * dot(pressure_at(time_before, no_motion()), du_) + pressure_factor() * dot(pressure_, du_));
   balance_.pressure_force = bc.pressure_forces(load_time(), du_);
   for (Vec3& force : balance_.pressure_force) force *= pressure_factor();
   if (!c.gravity.is_zero()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
