@@ -191,7 +191,8 @@ void QuasiStaticStep::assemble(const std::vector<double>* prescribed) {
   d.add_tangent(settings_, assembler_);
   d.add_stabilisation(du_, unused, &assembler_);
   world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
-  world_.boundary->add_pressure(load_time(), du_, pressure_factor(), unused, &assembler_);
+  world_.comm.agree(
+      [&] { world_.boundary->add_pressure(load_time(), du_, pressure_factor(), unused, &assembler_); });
   if (gauge_ < 0) return;
   std::vector<double> column, row;
   for (int k : border_.column_rows) column.push_back(fixed[k] ? 0.0 : -pressure_[k / dimension_][k % dimension_]);
