@@ -140,6 +140,12 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
       throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
                                    c.method == Method::mpm ? "background grid" : "body meshes"));
   }
+  // Where a displacement is prescribed as a whole, nothing is left to slip.
+  std::erase_if(inclined_, [&](const InclinedNode& n) {
+    int prescribed = 0;
+    for (int i = 0; i < dimension_; ++i) prescribed += static_cast<int>(owner_.count({n.node, i}));
+    return prescribed == dimension_;
+  });
 }
 
 /// The first boundary of a stage owns a displacement; another one may only repeat it.

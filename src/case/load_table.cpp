@@ -39,7 +39,8 @@ Table<Where::Sector> sector_table() {
 Table<Where::HalfSpace> half_space_table() {
   using HalfSpace = Where::HalfSpace;
   Table<HalfSpace> t("Everything on one side of an inclined line (in space: plane).");
-  t.vector("at", &HalfSpace::at, Unit::length, "a place on it; to catch what lies on it, a little before it").required();
+  t.vector("at", &HalfSpace::at, Unit::length, "a place on it; to catch what lies on it, a little before it")
+      .required();
   t.vector("normal", &HalfSpace::normal, Unit::none, "points to the side that is meant").required();
   t.check([](Scope& s, HalfSpace& h) {
     if (h.normal.isZero()) s.error("normal", "must not be zero");
@@ -100,8 +101,7 @@ Table<NodeBoundary> boundary_table() {
   t.function("uz", component(2), Unit::length, true,
              "displacement along z; a number is reached linearly at the end of the first stage; in expressions x, y, z are the "
              "place of the node at the start; free without it");
-  t.only([](const Scope& s, const NodeBoundary&) { return s.dimension() == 3 && !s.has("normal"); },
-         "in space ([model] dimension = 3) and without \"normal\"");
+  t.only_in_space();
   t.vector("normal", &NodeBoundary::normal, Unit::none,
            "for nodes on an inclined line or plane: they move along it freely and by `un` in this direction");
   t.function("un", &NodeBoundary::un, Unit::length, false,
@@ -112,6 +112,7 @@ Table<NodeBoundary> boundary_table() {
       s.at_least_one({"ux", "uy", "normal"});
     else
       s.at_least_one({"ux", "uy", "uz", "normal"});
+    if (b.normal && b.u[2]) s.error("uz", "is only allowed without \"normal\"");
     if (b.normal && b.normal->isZero()) s.error("normal", "must not be zero");
     if (b.normal) b.normal->normalize();
   });
@@ -184,7 +185,8 @@ Table<Contact> contact_table() {
                                                      {"friction", Kind::friction},
                                                      {"shared_nodes", Kind::shared_nodes}},
            "tie: surfaces that touch at the start move together; no_slip: can open, no sliding; frictionless: can open "
-           "and slide; friction: can open, slides where the shear reaches `friction` times the pressure; shared_nodes (mpm): "
+           "and slide; friction: can open, slides where the shear reaches `friction` times the pressure; shared_nodes "
+           "(mpm): "
            "the grid nodes around the rigid body's points move with it");
   t.number("friction", &Contact::friction, Unit::none, positive(),
            "Coulomb's coefficient of friction, the tangent of the friction angle")

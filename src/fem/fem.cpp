@@ -346,8 +346,7 @@ void FemDiscretisation::attach(Anchor& a) const {
   if (space_ == Space::axisymmetric) {
     const double radius = fem::place(mesh_, a.cell, shape).x();
     const bool on_axis = radius < 1e-9 * cell_size_;
-    for (int k = 0; k < shape.n; ++k)
-      a.stencil.hoop[k] = on_axis ? a.stencil.gradient[k].x() : shape.N[k] / radius;
+    for (int k = 0; k < shape.n; ++k) a.stencil.hoop[k] = on_axis ? a.stencil.gradient[k].x() : shape.N[k] / radius;
   }
   a.by_reference = true;
   std::copy(list.begin(), list.end(), a.stencil.node.begin());

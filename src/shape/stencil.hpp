@@ -12,8 +12,8 @@ struct Stencil {
   int n = 0;
   std::array<int, 20> node{};
   std::array<double, 20> N{};
-  std::array<Vec3, 20> gradient;    ///< of N [1/m]
-  std::array<double, 20> hoop{};    ///< around an axis: hoop strain of a unit radial displacement [1/m]; else 0
+  std::array<Vec3, 20> gradient;  ///< of N [1/m]
+  std::array<double, 20> hoop{};  ///< around an axis: hoop strain of a unit radial displacement [1/m]; else 0
 
   template <class Field>
   Vec3 interpolate(const Field& field) const {

@@ -65,9 +65,13 @@ void ImplicitStep::prepare(Integration integration) {
   lay_out(symmetric);
 }
 
+<<<<<<< HEAD:src/sim/implicit_step.cpp
 NodalVector ImplicitStep::no_motion() const {
   return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero());
 }
+=======
+NodalVector QuasiStaticStep::no_motion() const { return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero()); }
+>>>>>>> bc:src/sim/quasi_static.cpp
 
 /// Complete at owned nodes.
 NodalVector ImplicitStep::pressure_at(double time, const NodalVector& du) const {
@@ -230,9 +234,15 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
     world_.boundary->add_dashpots(motion_->velocity(du_), motion_->velocity_by_increment(), unused, &assembler_);
   }
   d.add_stabilisation(du_, unused, &assembler_);
+<<<<<<< HEAD:src/sim/implicit_step.cpp
   world_.boundary->add_forces(d, du_, t0_, t1_, unused, &assembler_);
   const double weight = motion_ ? motion_->new_weight() : 1.0;
   world_.boundary->add_pressure(load_time(), du_, weight * pressure_factor(), unused, &assembler_);
+=======
+  world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
+  world_.comm.agree(
+      [&] { world_.boundary->add_pressure(load_time(), du_, pressure_factor(), unused, &assembler_); });
+>>>>>>> bc:src/sim/quasi_static.cpp
   if (gauge_ < 0) return;
   std::vector<double> column, row;
   for (int k : border_.column_rows) column.push_back(fixed[k] ? 0.0 : -pressure_[k / dimension_][k % dimension_]);
@@ -425,7 +435,8 @@ void ImplicitStep::accept() {
   work += bc.support_work(before, now, t0_, t1_);
   balance_.reactions = now;
   const double time_before = gauge_ >= 0 ? load_time() : t0_, factor_before = gauge_ >= 0 ? world_.load_factor : 1.0;
-  work += 0.5 * (factor_before * dot(pressure_at(time_before, no_motion()), du_) + pressure_factor() * dot(pressure_, du_));
+  work +=
+      0.5 * (factor_before * dot(pressure_at(time_before, no_motion()), du_) + pressure_factor() * dot(pressure_, du_));
   balance_.pressure_force = bc.pressure_forces(load_time(), du_);
   for (Vec3& force : balance_.pressure_force) force *= pressure_factor();
   if (has_weight()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));

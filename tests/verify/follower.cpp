@@ -1,5 +1,6 @@
 /// Pressure that follows the deforming face (docs/theory/boundaries.md): a thick tube widened by 40 %, a
-/// cantilever bent beyond the vertical, Archimedes' lift of a turned and stretched body, the matrix against differences.
+/// cantilever bent beyond the vertical, Archimedes' lift of a turned and stretched body, the matrix against
+/// differences.
 
 #include <fmt/format.h>
 
@@ -74,8 +75,8 @@ struct Tube {
 };
 
 std::string elastic(double E, double nu) {
-  return fmt::format("[material.m]\nlaw = \"linear_elastic\"\ndensity = 1000.0\nyoungs_modulus = {}\npoisson_ratio = {}\n",
-                     E, nu);
+  return fmt::format(
+      "[material.m]\nlaw = \"linear_elastic\"\ndensity = 1000.0\nyoungs_modulus = {}\npoisson_ratio = {}\n", E, nu);
 }
 
 std::string tube(const std::string& method, const std::string& formulation, int n) {
@@ -109,9 +110,10 @@ void widen(const std::string& name, const std::string& text, int n, double toler
   ASSERT_TRUE(model.run());
   const double error = tube_error(model, exact);
   EXPECT_LT(error, tolerance);
-  record({group, fmt::format("{}: thick tube widened to {:.3f} of its bore, radial displacement", name,
-                             exact.at(inner) / inner),
-          error, "0", fmt::format("{}", tolerance), "radial equation of Hencky's solid, Runge-Kutta"});
+  record(
+      {group,
+       fmt::format("{}: thick tube widened to {:.3f} of its bore, radial displacement", name, exact.at(inner) / inner),
+       error, "0", fmt::format("{}", tolerance), "radial equation of Hencky's solid, Runge-Kutta"});
   // Force of the pressure on the inner wall around the whole axis: p 2 pi r h.
   const double height = 2.0 * (outer - inner) / n;
   const double force = inside * 2.0 * std::numbers::pi * exact.at(inner) * height;
@@ -124,23 +126,25 @@ TEST(FollowingPressure, WidensATubeTotalLagrangian) {
   widen("mpm, total Lagrangian, cut cells", tube("mpm", "formulation = \"total_lagrangian\"\n", 10), 10, 0.01);
 }
 
-/// With the matrix of the load Newton's method is quadratic in large steps.
+/// With the matrix of the load Newton's method is quadratic in large steps: r_(k+1) < C r_k^2 with a C of the order
+/// of 1. Without it every iteration only gains a digit (C of 1e3 and more for r_k = 1e-4).
 TEST(FollowingPressure, NewtonIsQuadratic) {
   for (const std::string method : {"fem", "mpm"}) {
-    double least = 9.0;
+    double worst = 0.0;
+    int seen = 0;
     Model model(tube(method, "", 10), {"steps.count=5", "solver.relative_tolerance=1e-12"});
     ASSERT_TRUE(model.run([&](const StepResult& result) {
       const std::vector<double>& r = result.residuals;
-      for (std::size_t i = r.size(); i-- > 2;)
-        if (r[i] > 1e-10) {
-          least = std::min(least, std::log(r[i] / r[i - 1]) / std::log(r[i - 1] / r[i - 2]));
-          break;
+      for (std::size_t i = 1; i < r.size(); ++i)
+        if (r[i - 1] > 1e-5 && r[i - 1] < 1e-2) {
+          worst = std::max(worst, r[i] / (r[i - 1] * r[i - 1]));
+          ++seen;
         }
     }));
-    EXPECT_GT(least, 1.6);
-    EXPECT_LT(least, 3.0);
-    record({group, method + ": least order of Newton's method while the tube widens, 5 steps", least, "2", "> 1.6",
-            "exact linearisation"});
+    EXPECT_GE(seen, 5);
+    EXPECT_LT(worst, 10.0);
+    record({group, method + ": largest r_(k+1)/r_k^2 of Newton's method while the tube widens, 5 steps", worst,
+            "of the order of 1", "10", "quadratic convergence"});
   }
 }
 
@@ -203,7 +207,8 @@ TEST(FollowingPressure, BendsACantilever) {
                       h / 2);
   text += "mesh = { kind = \"quads\", size = 0.01, structured = true, order = 2 }\n";
   text += "[boundary.clamp]\nwhere.box.max = [1e-9, 1.0]\nux = 0.0\nuy = 0.0\n";
-  text += fmt::format("[pressure.top]\nbody = \"b\"\nwhere.box = {{ min = [-1.0, {}] }}\nvalue = {}\n", h / 2 - 1e-9, p);
+  text +=
+      fmt::format("[pressure.top]\nbody = \"b\"\nwhere.box = {{ min = [-1.0, {}] }}\nvalue = {}\n", h / 2 - 1e-9, p);
   text += fmt::format("[gauge.tip]\nfrom = [0.0, 0.0]\nto = [{}, 0.0]\n", length);
   text += "[steps]\ncount = 30\nadaptive = false\n";
   Model model(text);
@@ -211,8 +216,9 @@ TEST(FollowingPressure, BendsACantilever) {
   const Vec3 tip = model.gauge_end() + Vec3(length, 0.0, 0.0);
   const double error = std::hypot(tip.x() - exact.x, tip.y() - exact.y) / length;
   EXPECT_LT(error, 0.005);
-  record({group, fmt::format("fem: end of a cantilever turned by {:.0f} degrees, over its length",
-                             exact.rotation * 180.0 / std::numbers::pi),
+  record({group,
+          fmt::format("fem: end of a cantilever turned by {:.0f} degrees, over its length",
+                      exact.rotation * 180.0 / std::numbers::pi),
           error, "0", "0.005", "inextensible beam under a load normal to it"});
 }
 
@@ -230,7 +236,8 @@ void float_body(const std::string& method) {
   text += "[boundary.all]\nwhere.box = { min = [-2.0, -2.0], max = [2.0, 2.0] }\n";
   text += fmt::format("ux = \"t*({:.16g}*x+{:.16g}*y)\"\nuy = \"t*({:.16g}*x+{:.16g}*y-2.0)\"\n", c * stretch - 1.0, -s,
                       s * stretch, c - 1.0);
-  text += fmt::format("[pressure.water]\nbody = \"b\"\nwhere.box = {{ min = [-2.0, -2.0] }}\nvalue = \"-{}*y\"\n", water);
+  text +=
+      fmt::format("[pressure.water]\nbody = \"b\"\nwhere.box = {{ min = [-2.0, -2.0] }}\nvalue = \"-{}*y\"\n", water);
   text += "[steps]\ncount = 1\nadaptive = false\n";
   Model model(text);
   const double area = model.world->bodies[0].measure;
@@ -276,7 +283,8 @@ void compare_matrix(const std::string& text) {
       bc.add_pressure(0.7, moved, 1.5, f[side], nullptr);
     }
     for (int row = 0; row < n; ++row) {
-      const double slope = (f[0][row / dimension][row % dimension] - f[1][row / dimension][row % dimension]) / (2.0 * h);
+      const double slope =
+          (f[0][row / dimension][row % dimension] - f[1][row / dimension][row % dimension]) / (2.0 * h);
       const double value = entry(assembler.matrix(), row, column);
       worst = std::max(worst, std::abs(value + slope));
       largest = std::max(largest, std::abs(slope));

@@ -31,8 +31,10 @@ std::string block(const std::string& method, double angle) {
   text += "[body.b]\nmaterial = \"m\"\nmesh = { kind = \"quads\", size = 0.125 }\nshape.polygon = " +
           turned(0.0, 0.0, width, height, angle) + "\n";
   text += "[body.plane]\nrigid = true\nshape.polygon = " + turned(-1.0, -0.5, 3.0, 0.0, angle) + "\n";
-  text += fmt::format("[contact.base]\nbody = \"b\"\nrigid = \"plane\"\nkind = \"friction\"\nfriction = {}\n"
-                      "stiffness = 100.0\n", mu);
+  text += fmt::format(
+      "[contact.base]\nbody = \"b\"\nrigid = \"plane\"\nkind = \"friction\"\nfriction = {}\n"
+      "stiffness = 100.0\n",
+      mu);
   return text;
 }
 

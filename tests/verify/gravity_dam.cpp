@@ -44,13 +44,16 @@ std::string dam(const std::string& method, int n, int order) {
   const double h = height / n;
   std::string text = fmt::format("method = \"{}\"\n[model]\nplane = \"strain\"\nkinematics = \"small\"\n", method);
   text += fmt::format("gravity = [0.0, -{}]\n", gravity);
-  text += fmt::format("[material.m]\nlaw = \"linear_elastic\"\ndensity = {:.15g}\nyoungs_modulus = {}\npoisson_ratio = {}\n",
-                      concrete / gravity, youngs, poisson);
+  text += fmt::format(
+      "[material.m]\nlaw = \"linear_elastic\"\ndensity = {:.15g}\nyoungs_modulus = {}\npoisson_ratio = {}\n",
+      concrete / gravity, youngs, poisson);
   // The upstream face cuts its cells by a third.
-  text += fmt::format("[grid]\norigin = [{}, {}]\ncell_size = {}\ncells = [{}, {}]\n", -h / 3.0, -height, h, n + 1, n + 1);
+  text +=
+      fmt::format("[grid]\norigin = [{}, {}]\ncell_size = {}\ncells = [{}, {}]\n", -h / 3.0, -height, h, n + 1, n + 1);
   text += fmt::format("[body.dam]\nmaterial = \"m\"\nshape.polygon = [[0.0, 0.0], [0.0, -{0}], [{1}, -{0}]]\n", height,
                       slope * height);
-  text += fmt::format("mesh = {{ kind = \"{}\", size = {}, order = {} }}\n", order == 2 ? "triangles" : "quads", h, order);
+  text +=
+      fmt::format("mesh = {{ kind = \"{}\", size = {}, order = {} }}\n", order == 2 ? "triangles" : "quads", h, order);
   text += fmt::format("[pressure.water]\nbody = \"dam\"\nwhere.box.max = [1e-6, 1.0]\nvalue = \"-{}*y*t\"\n", water);
   text += fmt::format("[boundary.base]\nwhere.box = {{ max = [1000.0, {}] }}\nux = \"{}\"\nuy = \"{}\"\n",
                       -height + 1e-6, displacement_x(), displacement_y());
@@ -104,12 +107,14 @@ void study(const std::string& name, const std::string& method, int order, double
 TEST(GravityDam, Mpm) { study("mpm, faces cut the cells", "mpm", 1, 0.011, 0.9); }
 TEST(GravityDam, FemLinear) { study("fem, quad4", "fem", 1, 0.025, 0.9); }
 
-/// The exact displacement is quadratic: quadratic elements have it, but for the pressure's midpoint rule on their edges.
+/// The exact displacement is quadratic: quadratic elements have it, but for the pressure's midpoint rule on their
+/// edges.
 TEST(GravityDam, FemQuadratic) {
   const Errors e = solve("fem", 8, 2);
   EXPECT_LT(e.displacement, 1e-4);
   EXPECT_LT(e.stress, 1e-3);
-  record({"Triangular gravity dam (V16)", "fem, tri6: L2 error of the stress, H/8", e.stress, "0", "0.001", "Levy 1898"});
+  record(
+      {"Triangular gravity dam (V16)", "fem, tri6: L2 error of the stress, H/8", e.stress, "0", "0.001", "Levy 1898"});
 }
 
 }  // namespace

@@ -87,8 +87,9 @@ void compare(const std::string& method, double degrees, int steps) {
   EXPECT_LT((reactions[0] + reactions[1]).norm() / push, 1e-6);
   // Work of the moved side and of gravity is stored (one step: the trapezoid is exact).
   EXPECT_LT(relative(model.step.balance().external_work, model.material().stored_energy()), 1e-4);
-  record({"Inclined slip boundary", fmt::format("{}, turned by {} degrees, {} steps: displacement", method, degrees, steps),
-          error_u, "0", fmt::format("{}", tolerance), "one-dimensional compression"});
+  record({"Inclined slip boundary",
+          fmt::format("{}, turned by {} degrees, {} steps: displacement", method, degrees, steps), error_u, "0",
+          fmt::format("{}", tolerance), "one-dimensional compression"});
 }
 
 TEST(InclinedBoundary, BlockUnderItsWeightFem) {
@@ -114,8 +115,9 @@ TEST(InclinedBoundary, TurnedGridEqualsStraightOne) {
   // Exact supports of the axes' own nodes instead of penalties.
   const std::string fixed = box("mpm", 0.0, 4);
   std::string exact = fixed.substr(0, fixed.find("[boundary.left]"));
-  exact += "[boundary.left]\nwhere.box.max = [1e-6, 9.0]\nux = 0.0\n[boundary.right]\nwhere.box.min = [0.999999, 0.0]\n"
-           "ux = -1e-3\n[boundary.base]\nwhere.box.max = [9.0, 1e-6]\nuy = 0.0\n[steps]\ncount = 4\nadaptive = false\n";
+  exact +=
+      "[boundary.left]\nwhere.box.max = [1e-6, 9.0]\nux = 0.0\n[boundary.right]\nwhere.box.min = [0.999999, 0.0]\n"
+      "ux = -1e-3\n[boundary.base]\nwhere.box.max = [9.0, 1e-6]\nuy = 0.0\n[steps]\ncount = 4\nadaptive = false\n";
   Model held(exact);
   ASSERT_TRUE(held.run());
   const std::vector<Vec3> c = held.world->discretisation->point_displacements();

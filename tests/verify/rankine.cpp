@@ -23,7 +23,8 @@ std::string wall(const std::string& method, double way, bool rigid) {
                       unit_weight / gravity);
   text += fmt::format("poisson_ratio = {}\ncohesion = 0.0\nfriction_angle = 30.0\n", poisson);
   text += fmt::format("[grid]\norigin = [{}, 0.0]\ncell_size = {}\ncells = [29, 9]\n", length - 29 * h, h);
-  text += fmt::format("[body.soil]\nmaterial = \"sand\"\nshape.box = {{ min = [0.0, 0.0], max = [{}, {}] }}\n", length, height);
+  text += fmt::format("[body.soil]\nmaterial = \"sand\"\nshape.box = {{ min = [0.0, 0.0], max = [{}, {}] }}\n", length,
+                      height);
   text += fmt::format("mesh = {{ kind = \"quads\", size = {}, structured = true }}\n", h);
   if (rigid) {
     text += "[body.wall]\nrigid = true\nshape.box = { min = [-0.3, -0.5], max = [0.0, 5.0] }\n";
@@ -58,8 +59,8 @@ void compare(const std::string& method, bool rigid, double way, double exact) {
   const double force = earth_pressure(method, way, rigid);
   EXPECT_LT(relative(force, exact), 0.03);
   record({"Rankine's earth pressure (V28)",
-          fmt::format("{}, {}: {} force on the wall [N/m]", method, rigid ? "rigid body that cuts cells" : "moved nodes",
-                      way < 0.0 ? "active" : "passive"),
+          fmt::format("{}, {}: {} force on the wall [N/m]", method,
+                      rigid ? "rigid body that cuts cells" : "moved nodes", way < 0.0 ? "active" : "passive"),
           force, fmt::format("{:.4g}", exact), "3 %", "Rankine, K gamma H^2/2"});
 }
 

@@ -51,5 +51,13 @@ TEST(Where, SectorsInSpaceAreSeenAgainstZ) {
   EXPECT_FALSE(inside(sector(80.0, 100.0), at(79.0, 2.0, -7.0)));
 }
 
+TEST(Where, BeyondALine) {
+  Where w;
+  w.beyond = {Vec3(1.0, 0.0, 0.0), Vec3(1.0, 2.0, 0.0)};
+  EXPECT_TRUE(inside(w, Vec3(1.0, 0.0, 0.0)));  // on it
+  EXPECT_TRUE(inside(w, Vec3(-0.9, 1.0, 0.0)));
+  EXPECT_FALSE(inside(w, Vec3(-1.1, 1.0, 0.0)));
+}
+
 }  // namespace
 }  // namespace berm

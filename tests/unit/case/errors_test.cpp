@@ -25,9 +25,9 @@ TEST_F(CaseErrors, allProblemsAreListedInTheOrderOfTheFile) {
 }
 
 TEST_F(CaseErrors, validKeysAreListedWhenNoneIsNear) {
-  EXPECT_EQ(errors(small_case + "[contact.x]\nbody = \"block\"\nrigid = \"block\"\nfriction = 1\n"),
+  EXPECT_EQ(errors(small_case + "[contact.x]\nbody = \"block\"\nrigid = \"block\"\ncolour = 1\n"),
             "case.toml:19:9: \"rigid\" in [contact.x]: body \"block\" is deformable; a rigid one is needed\n"
-            "case.toml:20:1: unknown key \"friction\" in [contact.x] (valid: body, rigid, kind, stiffness)");
+            "case.toml:20:1: unknown key \"colour\" in [contact.x] (valid: body, rigid, kind, friction, stiffness)");
 }
 
 TEST_F(CaseErrors, missingFile) {
@@ -316,7 +316,7 @@ TEST_F(DimensionErrors, boundaries) {
   EXPECT_EQ(errors(small_solid_case + "[boundary.a]\nwhere.box = { min = [0, 0, 1], max = [1, 1, 0] }\nuz = 0\n"),
             "case.toml:19:38: \"max\" in [boundary.a.where.box] must not be smaller than \"min\" in any direction");
   EXPECT_EQ(errors(small_solid_case + "[boundary.a]\nwhere.box.min = [0, 0, 1]\n"),
-            "case.toml:18:1: missing in [boundary.a]: one of ux, uy, uz");
+            "case.toml:18:1: missing in [boundary.a]: one of ux, uy, uz, normal");
 }
 
 TEST_F(CaseErrors, numbersOfTheRun) {
