@@ -65,13 +65,7 @@ void ImplicitStep::prepare(Integration integration) {
   lay_out(symmetric);
 }
 
-<<<<<<< HEAD:src/sim/implicit_step.cpp
-NodalVector ImplicitStep::no_motion() const {
-  return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero());
-}
-=======
-NodalVector QuasiStaticStep::no_motion() const { return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero()); }
->>>>>>> bc:src/sim/quasi_static.cpp
+NodalVector ImplicitStep::no_motion() const { return NodalVector(world_.discretisation->n_nodes(), Vec3::Zero()); }
 
 /// Complete at owned nodes.
 NodalVector ImplicitStep::pressure_at(double time, const NodalVector& du) const {
@@ -234,15 +228,9 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
     world_.boundary->add_dashpots(motion_->velocity(du_), motion_->velocity_by_increment(), unused, &assembler_);
   }
   d.add_stabilisation(du_, unused, &assembler_);
-<<<<<<< HEAD:src/sim/implicit_step.cpp
   world_.boundary->add_forces(d, du_, t0_, t1_, unused, &assembler_);
-  const double weight = motion_ ? motion_->new_weight() : 1.0;
-  world_.boundary->add_pressure(load_time(), du_, weight * pressure_factor(), unused, &assembler_);
-=======
-  world_.boundary->add_forces(du_, t0_, t1_, unused, &assembler_);
-  world_.comm.agree(
-      [&] { world_.boundary->add_pressure(load_time(), du_, pressure_factor(), unused, &assembler_); });
->>>>>>> bc:src/sim/quasi_static.cpp
+  const double factor = (motion_ ? motion_->new_weight() : 1.0) * pressure_factor();
+  world_.comm.agree([&] { world_.boundary->add_pressure(load_time(), du_, factor, unused, &assembler_); });
   if (gauge_ < 0) return;
   std::vector<double> column, row;
   for (int k : border_.column_rows) column.push_back(fixed[k] ? 0.0 : -pressure_[k / dimension_][k % dimension_]);

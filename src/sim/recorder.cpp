@@ -240,7 +240,6 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-<<<<<<< HEAD
 /// |W_ext + KE_0 - KE - W_el - W_diss - W_damp| / max(|W_ext|, KE_0).
 double Recorder::energy_error(double stored, double dissipated) const {
   const Balance& b = step_.balance();
@@ -248,12 +247,6 @@ double Recorder::energy_error(double stored, double dissipated) const {
   const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped -
                          b.friction_work;
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
-=======
-/// |W_ext - W_el - W_diss| / |W_ext|, with the heat of sliding contact.
-double Recorder::energy_error(double stored, double dissipated) const {
-  const double work = step_.balance().external_work, lost = dissipated + step_.balance().friction_work;
-  return work == 0.0 ? 0.0 : std::abs(work - stored - lost) / std::abs(work);
->>>>>>> bc
 }
 
 void Recorder::write_row(const StepResult& result, Integration integration) {

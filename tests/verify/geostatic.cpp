@@ -71,6 +71,7 @@ count = {}
 adaptive = false
 [solver]
 relative_tolerance = 1e-11
+absolute_tolerance = 1e-14
 )",
                   d.method, d.kinematics, d.formulation, d.surcharge > 0.0 ? 0.0 : -gravity, d.cells, h, law, density,
                   d.youngs, poisson, keys, 2 * h, depth, h, d.order, 2 * h - 1e-6, h, h, depth, d.steps);
