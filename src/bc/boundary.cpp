@@ -143,7 +143,12 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
   // Where a displacement is prescribed as a whole, nothing is left to slip.
   std::erase_if(inclined_, [&](const InclinedNode& n) {
     int prescribed = 0;
-    for (int i = 0; i < dimension_; ++i) prescribed += static_cast<int>(owner_.count({n.node, i}));
+    for (int i = 0; i < dimension_; ++i)
+      for (const int b : boundaries_at_[{n.node % mesh.n_nodes(), i}])
+        if (share_a_stage(case_.boundaries[b].stages, case_.boundaries[n.boundary].stages)) {
+          ++prescribed;
+          break;
+        }
     return prescribed == dimension_;
   });
 }

@@ -347,9 +347,10 @@ void MpmDiscretisation::build_faces() {
       const CellState* sb = cell_state(other);
       if (!sb || (sa.fill > whole && sb->fill > whole) || sa.holds_rigid || sb->holds_rigid) continue;
       // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's
-      // value.
+      // value; between two of them, where only surface points are, that of the softest material holds the nodes.
       const double ka = sa.stiffness, kb = sb->stiffness;
-      const double stiffness = ka > 0.0 && kb > 0.0 ? std::min(ka, kb) : std::max(ka, kb);
+      double stiffness = ka > 0.0 && kb > 0.0 ? std::min(ka, kb) : std::max(ka, kb);
+      if (stiffness == 0.0) stiffness = *std::min_element(youngs_of_slice_.begin(), youngs_of_slice_.end());
       faces_.push_back(make_face(cell, f, other, ghost_penalty_ * stiffness));
     }
   }

@@ -96,7 +96,7 @@ adaptive = false
   const double strip = strip_of(v.length);
   for (const int side : {-1, 1})
     text +=
-        fmt::format("[pressure.{}]\nbody = \"beam\"\nwhere.box = {{ min = [{}, {}], max = [1e3, {}] }}\nvalue = {}\n",
+        fmt::format("[pressure.{}]\nbody = \"beam\"\nwhere.box = {{ min = [{}, {}], max = [1e3, {}] }}\nvalue = {}\ndirection = \"dead\"\n",
                     side > 0 ? "top" : "bottom", v.length - strip, 0.5 * side - 1e-6, 0.5 * side + 1e-6,
                     side * 0.5 * load_of(v.length) / strip);
   return text;
