@@ -129,10 +129,9 @@ TEST(CooksMembrane, PlaneStress) {
 
 // ---- bearing capacity of a strip
 
-constexpr double settlement = 0.005;
-
 struct Ground {
-  double friction = 0.0, poisson = 0.49;  ///< [deg]
+  double friction = 0.0, poisson = 0.49;  ///< friction: also the dilatancy angle [deg]
+  double settlement = 0.005;              ///< of the strip at the end
 };
 
 /// Half of a rigid, rough strip of width 1 on weightless ground of unit cohesion. Its edge is half-way between nodes.
@@ -148,7 +147,7 @@ std::string strip(const Ground& ground, bool f_bar, int cells_per_width, int ste
   text += "[body.b]\nmaterial = \"m\"\nshape.box = { min = [0.0, 0.0], max = [5.0, 3.0] }\n";
   text += fmt::format(
       "[boundary.strip]\nwhere.box = {{ min = [-1.0, 2.9999], max = [0.4999, 3.0001] }}\nux = 0.0\nuy = {}\n",
-      -settlement);
+      -ground.settlement);
   text += "[boundary.axis]\nwhere.box = { min = [-1.0, 0.0], max = [1e-6, 2.9999] }\nux = 0.0\n";
   text += "[boundary.side]\nwhere.box = { min = [4.9999, 0.0], max = [6.0, 4.0] }\nux = 0.0\n";
   text += "[boundary.base]\nwhere.box = { min = [-1.0, -1.0], max = [6.0, 1e-6] }\nux = 0.0\nuy = 0.0\n";
