@@ -66,6 +66,8 @@ upper right corner and of the middle of the right edge.""",
     "Strip footing (V22)": """Rigid rough strip of width B = 1 m on weightless ground, half of it on 5 x 3 m, small strain, E = 10000 c (tests/verify/locking.cpp). Cells of B/11, so
 that the edge of the strip lies half-way between the last node that it moves and the first free one: the mean stress is that over the true width. Plateau: increase of the load over
 the last 40 % of the settlement, relative.""",
+    "F-bar in large strain": """A block 1 m high of a nearly incompressible solid (nu = 0.4999, Hencky) between rough platens, cells of 0.25 m, ten steps
+(tests/verify/locking.cpp).""",
     "Oblique crack": """A notched plate, 150 x 100 mm, Rankine, cells of 5 mm, IMPL-EX, pulled apart on grids turned against it (tests/verify/oblique_crack.cpp). The crack-band length of a
 cell is the root of its area whatever the direction of the crack. Along a row of cells that is exact; a crack across the rows damages a band wider than one cell and dissipates
 more than the fracture energy, which is the known bias of local damage on a grid. Results with cracks at an angle to the grid are too tough by the figures below.""",
