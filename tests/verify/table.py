@@ -60,6 +60,8 @@ keeps stiffness and iterations what they are.""",
     "Softening bar": """One weak cell, Rankine, everything else elastic, 1D, small strain (tests/verify/softening_bar.cpp): delta(s) = (L - l) s/E + l ft/E (1 - ln(s/ft)/A). A bar of 0.6 m
 snaps back and is driven by the opening of its crack. The damage cap of 1 - 1e-5 leaves 0.9 to 2.6 % of Gf undissipated (theory/damage.md, equation 18):
 "should be" contains that. IMPL-EX overshoots the peak; its error tolerance says by how much.""",
+    "Thick tube of von Mises steel (V21)": """Inner radius 0.1 m, outer radius 0.2 m, E = 210 GPa, nu = 0.3, yield stress 0.24 GPa, inner pressure up to 0.18 GPa, ends held, around the axis
+(tests/verify/hill.cpp). Hill takes the plastic part as incompressible in the elastic range too, which alone is worth about 1 %.""",
     "Cook's membrane (V13)": """The tapered panel (0,0) (48,44) (48,60) (0,44), left side clamped, shear traction on the right one, 16 cells a side, plane strain unless said
 otherwise, small strain (tests/verify/locking.cpp). Fitted: the grid is a mesh of the panel; cut: square cells of a sixteenth of its width. Vertical displacement of the
 upper right corner and of the middle of the right edge.""",
