@@ -164,8 +164,7 @@ void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, d
         for (int i = 0; i < dimension; ++i)
           for (int j = 0; j < dimension; ++j)
             K += (mean - of_mean) * B.row(dimension * i + j).transpose() * B.row(dimension * j + i);
-        if constexpr (hoop)
-          K += (mean - of_mean) * B.row(components - 1).transpose() * B.row(components - 1);
+        if constexpr (hoop) K += (mean - of_mean) * B.row(components - 1).transpose() * B.row(components - 1);
       }
       for (int i = 0; i < dimension; ++i) B.row(dimension * i + i) += theta / m;
       if constexpr (hoop) B.row(components - 1) += theta / m;

@@ -566,6 +566,7 @@ TEXT = {
 }
 FINITE = ["model.kinematics=finite", "model.formulation=updated_lagrangian"]
 SMALL = ["model.kinematics=small", "model.formulation=total_lagrangian"]
+F_BAR = ["model.volumetric=f_bar"]
 CHECKPOINTS = ["checkpoint.every_steps=5"]
 
 
@@ -784,6 +785,11 @@ class AnyNumberOfProcesses(Case):
         mesh = 'body.block.mesh={ kind = "quads", size = 0.1, structured = true, order = 2 }'
         self.same("thrown", ["method=fem", mesh], history=1e-7, points=1e-7, counts=(2,))
 
+    def test_f_bar(self):
+        self.same("drawn", F_BAR, history=1e-7, points=1e-7)
+        self.same("axisymmetric", [*FINITE, *F_BAR], counts=(4,))
+        self.same("drawn_solid", [*F_BAR, "model.formulation=total_lagrangian"], history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 
@@ -890,6 +896,11 @@ class Continued(Case):
 
     def test_axisymmetric(self):
         self.goes_on("axisymmetric", 4, 1, [*FINITE, "steps.count=30"])
+
+    # The total Lagrangian form keeps what it needs to get back from the mean dilatation.
+    def test_f_bar(self):
+        total = [*F_BAR, "model.kinematics=finite", "model.formulation=total_lagrangian"]
+        self.goes_on("axisymmetric", 2, 1, [*total, "steps.count=30"])
 
     def test_in_another_folder(self):
         """Frames that are not there are not listed."""

@@ -157,7 +157,7 @@ void accept(MpmDiscretisation& mpm, const NodalVector& du, const LawSettings& se
   mpm.begin_step({});
 }
 
-double size_of(Kinematics kinematics) { return (kinematics == Kinematics::small ? 1e-3 : 0.03) * h; }
+double size_of(Kinematics kinematics) { return (kinematics == Kinematics::small ? 3e-3 : 0.03) * h; }
 
 /// In the first step, and in one from a deformed state.
 TEST(FBar, ForceIsTheDerivativeOfTheEnergy) {
@@ -242,7 +242,7 @@ TEST(FBar, DilatationIsUniformInACellAndKeepsTheVolume) {
         }
       }
     }
-    EXPECT_GT(apart, small ? 1e-4 : 1e-2);
+    EXPECT_GT(apart, small ? 3e-4 : 1e-2);
     EXPECT_NEAR(volume, expected, 1e-13);
   });
 }
@@ -312,6 +312,36 @@ TEST(FBar, RowsBringThePointsBack) {
     const NodalVector next = random(*first, size_of(kinematics));
     EXPECT_EQ(force(*second, next, settings), force(*first, next, settings));
   });
+}
+
+/// Triangles among quads stay as they are.
+TEST(FBar, TrianglesAmongQuads) {
+  Mesh mesh;
+  for (const Vec3& x :
+       {Vec3(0.0, 0.0, 0.0), Vec3(h, 0.0, 0.0), Vec3(h, h, 0.0), Vec3(0.0, h, 0.0), Vec3(2 * h, 0.5 * h, 0.0)})
+    mesh.nodes.push_back(x);
+  const int quad[] = {0, 1, 2, 3}, triangle[] = {1, 4, 2};
+  mesh.add_cell(CellKind::quad4, quad);
+  mesh.add_cell(CellKind::tri3, triangle);
+  SeededPoints points;
+  for (double x : {0.2, 0.7, 1.2, 1.5})
+    for (double y : {0.45, 0.6}) points.add(h * Vec3(x, y, 0.0), 0.2 * h * h);
+  for (const Space space : {Space::plane_strain, Space::axisymmetric}) {
+    MpmDiscretisation mpm(make_unstructured_grid(mesh), space, 0.0, Formulation::updated_lagrangian, Comm{},
+                          Volumetric::f_bar);
+    mpm.add_body(0, "block", elastic(), points, 1.0);
+    mpm.move_points(1.2);
+    mpm.begin_step({});
+    const LawSettings settings = settings_of(space, Kinematics::finite);
+    Random random;
+    const NodalVector du = random(mpm, 0.03 * h);
+    force(mpm, du, settings);
+    const Eigen::MatrixXd K = tangent(mpm, settings);
+    Eigen::MatrixXd numerical(K.rows(), K.cols());
+    for (int c = 0; c < K.cols(); ++c)
+      numerical.col(c) = difference(du, c, 2, 1e-6 * h, [&](const NodalVector& u) { return force(mpm, u, settings); });
+    EXPECT_LT((K - numerical).norm(), 1e-7 * K.norm());
+  }
 }
 
 TEST(FBar, TrianglesAloneAreRefused) {
