@@ -549,8 +549,9 @@ bool BoundaryConditions::follows(const Pressure& spec) const {
 bool BoundaryConditions::symmetric() const {
   for (const Pressure& p : case_.pressures)
     if (follows(p) || (case_.kinematics == Kinematics::finite && p.value.depends_on_place())) return false;
-  return std::none_of(case_.contacts.begin(), case_.contacts.end(),
-                      [](const Contact& c) { return c.kind == Contact::Kind::friction; });
+  return std::none_of(case_.contacts.begin(), case_.contacts.end(), [](const Contact& c) {
+    return c.kind == Contact::Kind::friction && c.other.empty();  // [contact (6)] is symmetric
+  });
 }
 
 /// a = J F^-T A, Nanson's formula; the cofactors of F are polynomials and have a value for every F.   [boundaries (6)]
@@ -626,8 +627,8 @@ std::vector<Vec3> BoundaryConditions::pressure_forces(double time, const NodalVe
   return forces;
 }
 
-double BoundaryConditions::friction_work(const Discretisation& d, const NodalVector& du, double t0, double t1) const {
-  double heat = grid_contact_.work(d, du);
+double BoundaryConditions::friction_work(const NodalVector& du, double t0, double t1) const {
+  double heat = grid_contact_.work(du);
   for (const ContactPoint& p : contacts_) heat += contact_force(p, du, t0, t1).heat;
   return comm_.sum(heat);
 }

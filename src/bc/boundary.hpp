@@ -72,7 +72,7 @@ public:
   /// Total force of every pressure at that time on the surface as du has moved it [N]. Collective.
   std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
   /// Heat of sliding contact in the step [J], of all processes. Collective.
-  double friction_work(const Discretisation& d, const NodalVector& du, double t0, double t1) const;
+  double friction_work(const NodalVector& du, double t0, double t1) const;
 
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.

@@ -1,29 +1,61 @@
 #include "bc/grid_contact.hpp"
 
-namespace berm {
+#include <algorithm>
 
-const FieldContact* GridContact::find(const Interface& at) const {
-  for (const FieldContact& c : contacts_)
-    if (c.field_a == at.field_a && c.field_b == at.field_b) return &c;
-  return nullptr;
-}
+namespace berm {
 
 Vec3 GridContact::carried(const Discretisation& d, const Interface& at) const {
   const auto found = carried_.find({d.halo.ids[at.a], at.field_b});
   return found == carried_.end() ? Vec3(Vec3::Zero()) : found->second;
 }
 
-template <class Work>
-void GridContact::for_touching(const Discretisation& d, const NodalVector& du, Work work) const {
-  if (contacts_.empty()) return;
-  for (const Interface& at : d.interfaces()) {
-    const FieldContact* contact = find(at);
-    if (!contact || at.normal.isZero(0.0)) continue;
-    // What touched at t_n has no gap: the one seen by the points is only an estimate.
-    const Vec3 before = carried(d, at);
-    const double gap = before.isZero(0.0) ? at.gap : 0.0;
-    const CoulombForce c = coulomb(du[at.a] - du[at.b], before, at.normal, gap, contact->stiffness, contact->friction);
-    if (c.touches) work(at, c);
+void GridContact::begin_step(const Discretisation& d) {
+  touches_.clear();
+  for (const Interface& at : d.interfaces())
+    for (const FieldContact& c : contacts_) {
+      if (c.field_a != at.field_a || c.field_b != at.field_b || at.normal.isZero(0.0)) continue;
+      Touch t{&at, c, carried(d, at), at.gap};
+      // What touched at t_n has no gap: the one seen by the points is only an estimate.
+      if (!t.carried.isZero(0.0)) t.gap = 0.0;
+      touches_.push_back(t);
+    }
+}
+
+/// [contact (4) - (6)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
+/// guess on.
+GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
+  const Vec3& n = t.at->normal;
+  const double k = t.contact.stiffness;
+  const Vec3 trial = t.carried + k * relative;
+  Force f;
+  f.pressure = trial.dot(n) - k * t.gap;
+  f.shear = trial - n * n.dot(trial);
+  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.carried.dot(n));
+  f.status = t.status;
+  if (t.status == Status::undecided)
+    f.status = f.pressure < 0.0 ? Status::open : size <= limit && limit > 0.0 ? Status::sticks : Status::slides;
+  if (f.status == Status::open) return {};
+  const Mat3 nn = n * n.transpose();
+  if (f.status == Status::sticks) {
+    f.stiffness = k * Mat3::Identity();
+  } else if (t.status == Status::slides) {
+    f.shear = t.shear;
+    f.stiffness = k * nn;
+  } else {
+    const Vec3 direction = size > 0.0 ? Vec3(f.shear / size) : Vec3::Zero();
+    f.shear = limit * direction;
+    f.stiffness = k * nn;
+    if (limit > 0.0) f.stiffness += k * limit / size * (Mat3::Identity() - nn - direction * direction.transpose());
+  }
+  f.force = f.pressure * n + f.shear;
+  return f;
+}
+
+void GridContact::freeze(const NodalVector& du) {
+  for (Touch& t : touches_) {
+    const Force f = force_at(t, du[t.at->a] - du[t.at->b]);
+    t.status = f.status;
+    t.shear = f.shear;
   }
 }
 
@@ -31,33 +63,42 @@ void GridContact::add_forces(const Discretisation& d, const NodalVector& du, Nod
                              BlockAssembler* matrix) const {
   const int dim = d.dimension(), width = 2 * dim;
   std::array<double, 36> K;
-  for_touching(d, du, [&](const Interface& at, const CoulombForce& c) {
-    f[at.a] += c.force;
-    f[at.b] -= c.force;
-    if (!matrix) return;
+  for (const Touch& t : touches_) {
+    const Force force = force_at(t, du[t.at->a] - du[t.at->b]);
+    if (force.status == Status::open) continue;
+    f[t.at->a] += force.force;
+    f[t.at->b] -= force.force;
+    if (!matrix) continue;
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j)
         for (int p = 0; p < dim; ++p)
           for (int q = 0; q < dim; ++q)
-            K[(dim * i + p) * width + dim * j + q] = (i == j ? 1.0 : -1.0) * c.stiffness(p, q);
-    matrix->add(at.block, K.data());
-  });
+            K[(dim * i + p) * width + dim * j + q] = (i == j ? 1.0 : -1.0) * force.stiffness(p, q);
+    matrix->add(t.at->block, K.data());
+  }
 }
 
-double GridContact::work(const Discretisation& d, const NodalVector& du) const {
+double GridContact::work(const NodalVector& du) const {
   double sum = 0.0;
-  for_touching(d, du, [&](const Interface& at, const CoulombForce& c) {
-    sum += 0.5 * (carried(d, at) + c.force).dot(du[at.a] - du[at.b]);
-  });
+  for (const Touch& t : touches_) {
+    const Vec3 relative = du[t.at->a] - du[t.at->b];
+    sum += 0.5 * (t.carried + force_at(t, relative).force).dot(relative);
+  }
   return sum;
 }
 
+/// Tension is dropped, shear beyond the limit is cut, that of one that slides grows with the pressure.   [(5)]
 void GridContact::commit(const Discretisation& d, const NodalVector& du) {
   if (contacts_.empty()) return;
   std::vector<double> mine;
-  for_touching(d, du, [&](const Interface& at, const CoulombForce& c) {
-    mine.insert(mine.end(), {double(d.halo.ids[at.a]), double(at.field_b), c.force.x(), c.force.y(), c.force.z()});
-  });
+  for (const Touch& t : touches_) {
+    const Force f = force_at(t, du[t.at->a] - du[t.at->b]);
+    if (f.status == Status::open || f.pressure <= 0.0) continue;
+    const double limit = t.contact.friction * f.pressure, size = f.shear.norm();
+    const bool cut = size > limit || (f.status == Status::slides && size > 0.0);
+    const Vec3 force = f.pressure * t.at->normal + (cut ? limit / size : 1.0) * f.shear;
+    mine.insert(mine.end(), {double(d.halo.ids[t.at->a]), double(t.at->field_b), force.x(), force.y(), force.z()});
+  }
   restore(d.comm().all_gather(mine));
 }
 

@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "bc/coulomb.hpp"
 #include "method/discretisation.hpp"
 
 namespace berm {
@@ -21,10 +20,14 @@ public:
   void set(std::vector<FieldContact> contacts) { contacts_ = std::move(contacts); }
   bool empty() const { return contacts_.empty(); }
 
+  /// The interfaces of the coming step. Before the four that follow.
+  void begin_step(const Discretisation& d);
+  /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
+  void freeze(const NodalVector& du);
   /// Forces that resist du, of the interfaces that this process owns, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const;
   /// Work that the forces take over the step, of this process: friction, and the little that the penalty stores [J].
-  double work(const Discretisation& d, const NodalVector& du) const;
+  double work(const NodalVector& du) const;
   /// The forces at du are those of t_n now. Collective.
   void commit(const Discretisation& d, const NodalVector& du);
 
@@ -34,14 +37,28 @@ public:
   void restore(const std::vector<double>& rows);
 
 private:
-  const FieldContact* find(const Interface& at) const;
+  enum class Status { undecided, open, sticks, slides };
+  /// An interface of the step with a contact.
+  struct Touch {
+    const Interface* at;
+    FieldContact contact;
+    Vec3 carried;  ///< force of a on b at t_n
+    double gap;
+    Status status = Status::undecided;  ///< or frozen
+    Vec3 shear = Vec3::Zero();          ///< of a frozen one that slides
+  };
+  struct Force {
+    Status status = Status::open;
+    double pressure = 0.0;
+    Vec3 shear = Vec3::Zero(), force = Vec3::Zero();
+    Mat3 stiffness = Mat3::Zero();
+  };
   Vec3 carried(const Discretisation& d, const Interface& at) const;
-  /// Calls work(interface, force) for those in contact at du.
-  template <class Work>
-  void for_touching(const Discretisation& d, const NodalVector& du, Work work) const;
+  static Force force_at(const Touch& t, const Vec3& relative);
 
   std::vector<FieldContact> contacts_;
   std::map<std::pair<std::int64_t, int>, Vec3> carried_;  ///< by node of field a, and field b
+  std::vector<Touch> touches_;                            ///< of the step
 };
 
 }  // namespace berm

@@ -181,10 +181,10 @@ Table<Case> make_case_table() {
   t.named("absorbing", &Case::absorbing, absorbing_table());
   t.named("contact", &Case::contacts, contact_table());
   t.table("control", &Case::control, control_table());
+  t.custom(stage_info(), read_stages);  // before [solver] and [dynamics] have their defaults written out
   t.table("steps", &Case::steps, steps_table()).only_without("stage");
   t.table("solver", &Case::solver, solver_table());
   t.table("dynamics", &Case::dynamics, dynamics_table());
-  t.custom(stage_info(), read_stages);
   t.table("output", &Case::output, output_table());
   t.table("checkpoint", &Case::checkpoint, checkpoint_table());
   t.table("parallel", &Case::parallel, parallel_table());

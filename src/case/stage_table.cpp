@@ -44,7 +44,8 @@ const Table<Stage>& stage_table() {
   return table;
 }
 
-/// What a stage does not say of its solver is as in [solver] of the whole run.
+/// What a stage does not say of its solver is as in [solver] of the whole run; but for keys that belong to another one that
+/// it does say.
 void inherit(Scope& root, Node& stage, const char* key) {
   const Node::Entry* common = root.node.find(key);
   if (!common || !common->value.is_object()) return;
@@ -54,8 +55,13 @@ void inherit(Scope& root, Node& stage, const char* key) {
     return;
   }
   if (!own->value.is_object()) return;  // reported where it is read
+  const auto belongs_to = [](const std::string& name) -> std::string_view {
+    return name == "alpha" ? "integrator" : name == "flip_fraction" ? "transfer" : "";
+  };
+  std::vector<Node::Entry> missing;
   for (const Node::Entry& entry : common->value.object())
-    if (!own->value.find(entry.key)) own->value.set(entry.key, entry.value);
+    if (!own->value.find(entry.key) && !own->value.find(belongs_to(entry.key))) missing.push_back(entry);
+  for (Node::Entry& entry : missing) own->value.set(entry.key, std::move(entry.value));
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ Table<Dynamics> dynamics_table();
 // stage_table.cpp
 Table<Steps> steps_table();
 KeyInfo stage_info();
-/// Reads [stage.NAME] of all names, in the order of the file; solver and dynamics of the case must have been read.
+/// Reads [stage.NAME] of all names, in the order of the file. Before [solver] and [dynamics] are read, so that stages inherit
+/// what is written there and no defaults.
 void read_stages(Scope& root, Node::Entry& entry, Case& c);
 
 // run_table.cpp

@@ -53,9 +53,8 @@ void start_petsc(const std::string& options) {
 }
 
 struct NewtonSolver::Impl {
-  Impl(const Solver& options, const Comm& group) : max_iterations(options.max_iterations), comm(group), linear(options, group) {}
+  Impl(const Solver& options, const Comm& group) : comm(group), linear(options, group) {}
 
-  int max_iterations;
   Comm comm;
   LinearSolver linear;
   SNES snes = nullptr;
@@ -209,15 +208,15 @@ bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<doub
   return true;
 }
 
-NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
-                                 const Jacobian& jacobian) {
+NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool line_search, int most,
+                                 const Residual& residual, const Jacobian& jacobian) {
   Impl& m = *impl_;
   m.residual = &residual;
   m.jacobian = &jacobian;
   m.residuals.clear();
   m.error = nullptr;
   copy(x, m.x);
-  SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, m.max_iterations, 100000);
+  SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, most, 100000);
   SNESLineSearch search;
   SNESGetLineSearch(m.snes, &search);
   SNESLineSearchSetType(search, line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);

@@ -69,8 +69,8 @@ public:
   bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
 
   /// Newton from x until the residual norm is below `tolerance` [N], with a backtracking line search or with full
-  /// steps.
-  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, const Residual& residual,
+  /// steps, at most so many.
+  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, int most, const Residual& residual,
                      const Jacobian& jacobian);
 
   /// Seconds spent in solving linear systems since the start, set-up included.

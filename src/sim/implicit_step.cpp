@@ -301,6 +301,7 @@ void ImplicitStep::begin_motion(double dt) {
 void ImplicitStep::forces_at_start() {
   Discretisation& d = *world_.discretisation;
   du_.assign(d.n_nodes(), Vec3::Zero());
+  world_.boundary->grid_contact().begin_step(d);
   d.evaluate(du_, settings_);
   old_internal_ = internal_force();
   old_external_ = weight_at(t0_);
@@ -334,12 +335,23 @@ bool ImplicitStep::first_guess(std::vector<double>& x, int& iterations, Integrat
   return linear_predictor(x);
 }
 
-NewtonResult ImplicitStep::solve(std::vector<double>& x, double tolerance, bool line_search) {
+/// How Newton's method is tried, in this order. Where damage localises, or a contact closes, the residual norm has to grow
+/// before it falls: full steps get through more often. With inertia they mostly are the shortest way.
+std::vector<ImplicitStep::Attempt> ImplicitStep::attempts(const Solver& s) const {
+  constexpr int few = 8;
+  if (!s.line_search) return {{false, s.max_iterations}};
+  if (motion_) return {{false, std::min(few, s.max_iterations)}, {true, s.max_iterations}};
+  return {{true, s.max_iterations}, {false, s.max_iterations}};
+}
+
+NewtonResult ImplicitStep::solve(std::vector<double>& x, double tolerance, const Attempt& how) {
   return newton_->solve(
-      x, tolerance, line_search, [this](const auto& at, auto& out) { return residual(at, out); },
-      [this](const auto& at) {
+      x, tolerance, how.line_search, how.most, [this](const auto& at, auto& out) { return residual(at, out); },
+      [this, matrices = 0](const auto& at) mutable {
+        constexpr int enough = 6;
         std::vector<double> unused;
         residual(at, unused);  // the trial state may be that of another place
+        if (++matrices == enough) world_.boundary->grid_contact().freeze(du_);
         assemble(nullptr);
       });
 }
@@ -366,6 +378,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
 
   StepResult result;
   std::vector<double> x, r;
+  world_.boundary->grid_contact().begin_step(*world_.discretisation);
   if (!first_guess(x, result.iterations, integration)) {
     result.reason = "the matrix of the first guess could not be factorised";
     return result;
@@ -385,13 +398,13 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double scale = force_scale_;
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
-  NewtonResult newton = solve(x, tolerance, s.line_search);
-  result.iterations += newton.iterations;
-  if (!newton.converged && s.line_search) {
-    // Where damage localises the residual norm has to grow before it falls: full steps get through more often.
+  NewtonResult newton;
+  for (const Attempt& attempt : attempts(s)) {
     x = guess;
-    newton = solve(x, tolerance, false);
+    world_.boundary->grid_contact().begin_step(*world_.discretisation);
+    newton = solve(x, tolerance, attempt);
     result.iterations += newton.iterations;
+    if (newton.converged) break;
   }
   result.converged = newton.converged;
   const double reference = std::max(scale, s.absolute_tolerance * world_.elastic_scale);
@@ -429,7 +442,7 @@ void ImplicitStep::accept() {
   for (Vec3& force : balance_.pressure_force) force *= pressure_factor();
   if (has_weight()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
-  balance_.friction_work += bc.friction_work(d, du_, t0_, t1_);
+  balance_.friction_work += bc.friction_work(du_, t0_, t1_);
   if (motion_) accept_motion();
 
   bc.commit(d, du_, t0_, t1_);
@@ -446,8 +459,10 @@ void ImplicitStep::accept() {
 void ImplicitStep::accept_motion() {
   Discretisation& d = *world_.discretisation;
   const Dynamics& how = world_.present_stage().dynamics;
-  NodalVector damping = motion_->damping(d, du_);
-  world_.boundary->add_dashpots(motion_->velocity(du_), 0.0, damping, nullptr);
+  NodalVector v = motion_->velocity(du_);  // the mean one: damping forces are as rough as velocities
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = 0.5 * (v[i] + motion_->velocity()[i]);
+  NodalVector damping = motion_->damping(d, v);
+  world_.boundary->add_dashpots(v, 0.0, damping, nullptr);
   d.halo.add_to_owners(damping.data()->data(), 3);
   balance_.damped += dot(damping, du_);
   if (how.rayleigh_stiffness > 0.0) {

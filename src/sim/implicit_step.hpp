@@ -82,7 +82,12 @@ private:
   void sum_forces();
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
-  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search);
+  struct Attempt {
+    bool line_search;
+    int most;  ///< iterations
+  };
+  std::vector<Attempt> attempts(const Solver& s) const;
+  NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;
   double norm(const NodalVector& f) const;

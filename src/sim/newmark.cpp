@@ -120,8 +120,8 @@ NodalVector Newmark::inertia() const {
   return f;
 }
 
-NodalVector Newmark::damping(const Discretisation& d, const NodalVector& du) const {
-  NodalVector f(du.size(), Vec3::Zero()), v = velocity(du);
+NodalVector Newmark::damping(const Discretisation& d, NodalVector v) const {
+  NodalVector f(v.size(), Vec3::Zero());
   for (Vec3& component : v) component *= how_.rayleigh_mass;
   add_mass_times(d, 0.0, v, f, nullptr);
   for (std::size_t i = 0; i < f.size(); ++i)

@@ -38,8 +38,8 @@ public:
   void add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const;
   /// Mass times acceleration at t_n of this process: a measure of the forces in play.
   NodalVector inertia() const;
-  /// Damping forces that are no stiffness damping, of this process.   [(14), (15)]
-  NodalVector damping(const Discretisation& d, const NodalVector& du) const;
+  /// Damping forces at the velocity v that are no stiffness damping, of this process.   [(14), (15)]
+  NodalVector damping(const Discretisation& d, NodalVector v) const;
   /// Error of the step: of the mean acceleration, relative to its displacement. Collective.   [(16)]
   double error(const Discretisation& d, const NodalVector& du) const;
 

@@ -551,7 +551,60 @@ dynamics = { integrator = "hht", mass = "consistent", transfer = "apic" }
 frames = 4
 """
 
+# Two blocks that rest on, slide on and leave each other, on a grid with fields of their own; dashpots under them.
+STACKED = """
+[model]
+plane = "strain"
+gravity = [0.0, "-10*min(t/0.2, 1)"]
+[grid]
+origin = [-0.1, 0.0]
+cell_size = 0.1
+cells = [44, 14]
+[material.rock]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.2
+[body.lower]
+material = "rock"
+shape.box = { min = [0.0, 0.0], max = [1.6, 0.4] }
+[body.upper]
+material = "rock"
+shape.box = { min = [0.4, 0.4], max = [0.9, 0.85] }
+acceleration = ["t < 0.3 ? 0 : 12", 0.0]
+[contact.between]
+body = "upper"
+other = "lower"
+kind = "friction"
+friction = 0.4
+[boundary.base]
+where.box.max = [10.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[absorbing.side]
+body = "lower"
+where.box = { min = [1.599, 0.0], max = [1.601, 0.4] }
+p_wave_speed = 33.0
+s_wave_speed = 20.0
+density = 1000.0
+[stage.weight]
+analysis = "dynamic"
+duration = 0.2
+count = 20
+dynamics.rayleigh_mass = 20.0
+[stage.push]
+analysis = "dynamic"
+duration = 0.8
+count = 160
+[dynamics]
+integrator = "bossak"
+transfer = "blend"
+[output]
+frames = 4
+"""
+
 TEXT = {
+    "stacked": STACKED,
     "cylinder": CYLINDER,
     "thrown": THROWN,
     "disc": DISC,
@@ -781,6 +834,10 @@ class AnyNumberOfProcesses(Case):
     def test_motion(self):
         self.same("thrown", history=1e-7, points=1e-7)
 
+    # Sticking and sliding multiply rounding.
+    def test_bodies_on_each_other(self):
+        self.same("stacked", history=1e-5, points=1e-5)
+
     def test_motion_fem(self):
         mesh = 'body.block.mesh={ kind = "quads", size = 0.1, structured = true, order = 2 }'
         self.same("thrown", ["method=fem", mesh], history=1e-7, points=1e-7, counts=(2,))
@@ -880,6 +937,9 @@ class Continued(Case):
     # In the second and in the third stage.
     def test_motion(self):
         self.goes_on("thrown", 2, 1, history=1e-7, points=1e-7, steps=22)
+
+    def test_bodies_on_each_other(self):
+        self.goes_on("stacked", 2, 1, history=1e-5, points=1e-5, steps=80)
 
     def test_motion_in_a_later_stage(self):
         self.goes_on("thrown", 1, 2, history=1e-7, points=1e-7, steps=72)

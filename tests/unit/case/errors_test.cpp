@@ -27,7 +27,7 @@ TEST_F(CaseErrors, allProblemsAreListedInTheOrderOfTheFile) {
 TEST_F(CaseErrors, validKeysAreListedWhenNoneIsNear) {
   EXPECT_EQ(errors(small_case + "[contact.x]\nbody = \"block\"\nrigid = \"block\"\ncolour = 1\n"),
             "case.toml:19:9: \"rigid\" in [contact.x]: body \"block\" is deformable; a rigid one is needed\n"
-            "case.toml:20:1: unknown key \"colour\" in [contact.x] (valid: body, rigid, kind, friction, stiffness)");
+            "case.toml:20:1: unknown key \"colour\" in [contact.x] (valid: body, rigid, other, kind, friction, stiffness, stages)");
 }
 
 TEST_F(CaseErrors, missingFile) {
