@@ -37,6 +37,7 @@ public:
     check_radii();
     check_integration();
     check_stages();
+    check_fluids();
     check_plane_stress();
     check_volumetric();
   }
@@ -206,6 +207,16 @@ private:
       x = std::min(x, std::cos(grid->angle) * p.x() - std::sin(grid->angle) * p.y());
     }
     check_radius(at("grid"), "origin", "the grid", x, grid->origin.norm() + size.norm());
+  }
+
+  /// A cell with one pressure and no shear stiffness has nothing against hourglass modes: a tank does not stay at rest.
+  void check_fluids() const {
+    if (c_.volumetric != Volumetric::f_bar) return;
+    for (const Material& m : c_.materials)
+      if (std::holds_alternative<Newtonian>(m.law))
+        at("model").warn("volumetric", fmt::format("\"f_bar\" leaves the fluid \"{}\" without resistance to hourglass "
+                                                   "modes: take \"standard\"",
+                                                   m.name));
   }
 
   void check_plane_stress() const {

@@ -327,7 +327,7 @@ TEST(Fem, NumbersPointsBodyByBody) {
   EXPECT_EQ(fem.n_nodes(), hexes.n_nodes() + tets.n_nodes());
   double mass = 0.0;
   NodalVector f(fem.n_nodes(), Vec3::Zero());
-  fem.add_body_force({Vec3::UnitZ(), Vec3::UnitZ(), Vec3::UnitZ()}, f);
+  fem.add_body_force(std::vector<Vec3>(8, Vec3::UnitZ()), f);
   for (const Vec3& v : f) mass += v.z();
   EXPECT_NEAR(mass, 2.0 * density, 1e-9);
 }
