@@ -179,9 +179,8 @@ void BoundaryConditions::begin_stage(const std::string& name) {
     if (c.other.empty() || !acts(c.stages)) continue;
     const int a = body_index(case_, c.body), b = body_index(case_, c.other);
     const double youngs = std::min(stiffness_of(case_, a), stiffness_of(case_, b));
-    const double depth = is_plane(case_.space) ? case_.thickness : cell_size_;
     contacts.push_back(
-        {std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs * depth});
+        {std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs / cell_size_});
   }
   grid_contact_.set(std::move(contacts));
 }

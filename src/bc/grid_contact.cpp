@@ -26,7 +26,7 @@ void GridContact::begin_step(const Discretisation& d) {
 /// guess on.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const Vec3& n = t.at->normal;
-  const double k = t.contact.stiffness;
+  const double k = t.contact.stiffness * t.at->area;
   const Vec3 trial = t.carried + k * relative;
   Force f;
   f.pressure = trial.dot(n) - k * t.gap;

@@ -11,7 +11,7 @@ namespace berm {
 struct FieldContact {
   int field_a = 0, field_b = 0;  ///< a < b
   double friction = 0.0;         ///< coefficient [-]
-  double stiffness = 0.0;        ///< penalty of a node [N/m]
+  double stiffness = 0.0;        ///< penalty [N/m3]
 };
 
 class GridContact {

@@ -54,6 +54,7 @@ struct Interface {
   int a = 0, b = 0;              ///< local nodes, both owned by this process
   int block = -1;
   Vec3 normal = Vec3::Zero();  ///< of the step, out of a; zero if there is none
+  double area = 0.0;           ///< of the step: of the surface that the node stands for [m2]
   double gap = 0.0;            ///< of the step, along the normal; not negative [m]
 };
 
@@ -75,6 +76,9 @@ public:
     static const std::vector<Interface> none;
     return none;
   }
+  /// Normals, areas and gaps of the interfaces of the step that has begun. `held`: by component of the nodes that this
+  /// process owns, those whose displacement is prescribed. Collective.
+  virtual void look_at_interfaces(const std::vector<char>& /*held*/) {}
   const Comm& comm() const { return comm_; }
   int n_nodes() const { return halo.size(); }
   double most_loaded() const { return most_loaded_; }

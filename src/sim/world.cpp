@@ -229,6 +229,7 @@ void World::begin_step() {
   boundary->move_anchors(*discretisation);
   discretisation->begin_step(boundary->anchors());
   boundary->begin_step(*discretisation);
+  discretisation->look_at_interfaces(boundary->fixed());
   step_begun = true;
 }
 

@@ -244,7 +244,6 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   number_nodes();
   if (f_bar_) group_points();
   attach(anchors);
-  look_at_interfaces();
 }
 
 /// Counting sort of the points by cell; cells of anchors are active even without points.

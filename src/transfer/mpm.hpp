@@ -31,6 +31,7 @@ public:
   void set_fields(std::vector<int> field_of_body, int n_fields);
   int n_fields() const override { return n_fields_; }
   const std::vector<Interface>& interfaces() const override { return interfaces_; }
+  void look_at_interfaces(const std::vector<char>& held) override;
 
   const Mesh& mesh() const override { return grid_.mesh; }
   void move_points(double rebalance) override;
@@ -122,7 +123,6 @@ private:
     return other < 0 ? -1 : other + field_of(layered) * grid_.mesh.n_cells();
   }
   void pair_nodes();
-  void look_at_interfaces();
   int owner_of_cell(int cell) const { return partition_.owner(cell_centre(grid_.mesh, cell)); }
 
   template <int dimension, bool hoop>

@@ -28,20 +28,25 @@ void MpmDiscretisation::pair_nodes() {
   }
 }
 
-/// Normals from the gradients of the volume of the two fields, gaps from their outermost points.   [contact (1), (2)]
-void MpmDiscretisation::look_at_interfaces() {
+/// Normals and areas from the gradients of the volume of the two fields, gaps from their outermost points.
+/// [contact (1) - (3)]
+void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
   if (n_fields_ == 1) return;
   const int d = dimension();
   NodalVector outward(n_nodes(), Vec3::Zero());
-  const auto volume = [&](int p) { return measure_[p] * (total_lagrangian_ ? 1.0 : material.F[p].determinant()); };
+  const auto swollen = [&](int p) { return total_lagrangian_ ? 1.0 : material.F[p].determinant(); };
   for_points([&](std::span<const int> list, int p, const double* s) {
     const int n = static_cast<int>(list.size());
     for (int k = 0; k < n; ++k)
-      for (int i = 0; i < d; ++i) outward[list[k]][i] += volume(p) * s[n + d * k + i];
+      for (int i = 0; i < d; ++i) outward[list[k]][i] += material.volume[p] * swollen(p) * s[n + d * k + i];
   });
   halo.add_to_owners(reinterpret_cast<double*>(outward.data()), 3);
   NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of the one with the lower number
   for (Interface& at : interfaces_) {
+    // On a plane of symmetry, and at every face that is held, bodies end without a surface for the other.
+    for (int i = 0; i < d; ++i)
+      if (held[d * at.a + i] && held[d * at.b + i]) outward[at.a][i] = outward[at.b][i] = 0.0;
+    at.area = std::max(outward[at.a].norm(), outward[at.b].norm());
     // The larger gradient knows better: at the corner of a body on a flat one that of the flat one.
     const Vec3 difference = std::pow(outward[at.a].squaredNorm(), 4) * outward[at.a] -
                             std::pow(outward[at.b].squaredNorm(), 4) * outward[at.b];
@@ -55,7 +60,7 @@ void MpmDiscretisation::look_at_interfaces() {
   // How far each field reaches along its own normal.
   std::vector<double> reach(n_nodes(), -infinity);
   for_points([&](std::span<const int> list, int p, const double*) {
-    const double half = 0.5 * std::pow(volume(p), 1.0 / d);
+    const double half = 0.5 * std::pow(measure_[p] * swollen(p), 1.0 / d);
     for (const int node : list)
       if (!normal[node].isZero(0.0))
         reach[node] = std::max(reach[node], normal[node].dot(seen(p) - nodes[node]) + half);
