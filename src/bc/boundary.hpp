@@ -125,7 +125,11 @@ private:
 
   void read_boundaries(const Case& c, const Discretisation& d);
   void prescribe(int node, const Vec3& at, int component, int boundary);
+  /// Prescribed nodes among the local ones.
+  void find_prescribed(const Discretisation& d);
   void find_inclined(const Discretisation& d);
+  /// Normals and gaps of contact with rigid bodies, frozen over the step.
+  void find_gaps();
   double push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const;
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface);

@@ -23,6 +23,20 @@ struct SurfacePoint {
   std::vector<std::string> groups;  ///< physical curves (surfaces) of a body mesh
 };
 
+/// Part of a piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces.
+double share_inside(const Where& where, const SurfacePoint& s, int dimension);
+
+bool in_group(const SurfacePoint& s, const std::string& group);
+
+/// A place of a body that has not moved yet.
+inline Anchor anchor_at(int body, const Vec3& x, const Vec3& normal = Vec3::Zero()) {
+  Anchor a;
+  a.body = body;
+  a.X = a.x = x;
+  a.inward = -normal;
+  return a;
+}
+
 // What of the surface has something to do, and so is followed. Each is a place of its own that travels with the cell that
 // holds it; `id` is its number among its kind, the same on every process.
 

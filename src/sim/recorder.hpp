@@ -51,6 +51,9 @@ public:
   std::vector<std::pair<std::string, double>> metrics() const;
 
 private:
+  /// Positions in the standard columns of the history (io/history.cpp).
+  static constexpr int displacement_column = 2, load_column = 3;
+
   struct NamedProbe {
     Probe spec;
     std::vector<std::pair<std::int64_t, double>> weight_of_point;  ///< by point id
@@ -81,6 +84,7 @@ private:
   void follow_peak();
   void restore_frames(std::vector<std::pair<double, std::string>> frames);
   std::vector<std::string> columns() const;
+  std::vector<std::string> probe_columns() const;
   const char* axes() const { return dimension_ == 3 ? "xyz" : "xy"; }
 
   const World& world_;

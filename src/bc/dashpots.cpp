@@ -1,0 +1,44 @@
+/// Absorbing boundaries.
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "bc/boundary.hpp"
+#include "bc/case_lookup.hpp"
+
+namespace berm {
+
+void BoundaryConditions::read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface) {
+  for (std::size_t k = 0; k < c.absorbing.size(); ++k) {
+    const Absorbing& spec = c.absorbing[k];
+    const int body = body_index(c, spec.body);
+    bool any = false;
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
+      const double share = share_inside(spec.where, s, dimension_);
+      if (share == 0.0) continue;
+      const Mat3 nn = s.normal * s.normal.transpose();
+      DashpotPoint point;
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(dashpots_.size());
+      point.absorbing = static_cast<int>(k);
+      point.damping =
+          share * s.area * spec.density * (spec.p_wave_speed * nn + spec.s_wave_speed * (Mat3::Identity() - nn));
+      any = true;
+      dashpots_.push_back(point);
+    }
+    if (!any)
+      throw InputError(fmt::format("[absorbing.{}] catches no part of the surface of body \"{}\": check its where",
+                                   spec.name, spec.body));
+  }
+}
+
+/// t = -rho (c_p n n + c_s (1 - n n)) v   [boundaries (13)]
+void BoundaryConditions::add_dashpots(const NodalVector& v, double dv_by_du, NodalVector& f,
+                                      BlockAssembler* matrix) const {
+  for (const DashpotPoint& p : dashpots_) {
+    if (!acts(case_.absorbing[p.absorbing].stages)) continue;
+    add_at(p.anchor, -p.damping * p.anchor.stencil.interpolate(v), dv_by_du * p.damping, f, matrix);
+  }
+}
+
+}  // namespace berm

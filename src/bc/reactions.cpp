@@ -1,0 +1,68 @@
+/// What supports and rigid bodies do to the material, and their work.
+#include "bc/boundary.hpp"
+
+namespace berm {
+
+Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double t1,
+                                        const NodalVector& residual) const {
+  const std::size_t n_bodies = case_.bodies.size(), n_boundaries = case_.boundaries.size();
+  std::vector<double> sums(3 * (n_bodies + n_boundaries), 0.0);
+  const auto add = [&](std::size_t index, const Vec3& force) {
+    for (int i = 0; i < 3; ++i) sums[3 * index + i] += force[i];
+  };
+  for (const ContactPoint& p : contacts_) add(rigid_of_contact_[p.contact], contact_force(p, du, t0, t1).force);
+  for (int node = 0; node < n_owned_; ++node)
+    if (moved_by_[node] >= 0) add(rigid_of_contact_[moved_by_[node]], residual[node]);
+  for (const auto& [k, node] : local_conditions_) {
+    const NodeCondition& condition = conditions_[k];
+    if (node < n_owned_ && moved_by_[node] < 0)
+      sums[3 * (n_bodies + condition.boundary) + condition.component] += residual[node][condition.component];
+  }
+  for (const LocalInclined& local : local_inclined_) {
+    const int boundary = inclined_[local.index].boundary;
+    add(n_bodies + boundary, -local.share * push_of(local, du, t0, t1) * *case_.boundaries[boundary].normal);
+  }
+  comm_.sum(sums);
+  const auto vector_at = [&](std::size_t index) {
+    return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]);
+  };
+  Reactions out;
+  for (std::size_t b = 0; b < n_bodies; ++b) out.rigid.push_back(vector_at(b));
+  for (std::size_t b = 0; b < n_boundaries; ++b) out.boundary.push_back(vector_at(n_bodies + b));
+  if (by_place_) {
+    out.node.assign(conditions_.size(), 0.0);
+    for (const auto& [k, node] : local_conditions_)
+      if (node < n_owned_ && moved_by_[node] < 0) out.node[k] += residual[node][conditions_[k].component];
+    comm_.sum(out.node);
+  }
+  return out;
+}
+
+double BoundaryConditions::support_work(const Reactions& before, const Reactions& now, double t0, double t1) const {
+  double work = 0.0;
+  for (std::size_t b = 0; b < case_.boundaries.size(); ++b) {
+    const NodeBoundary& spec = case_.boundaries[b];
+    const Vec3 mean = 0.5 * (now.boundary[b] + before.boundary[b]);
+    if (spec.normal) work += mean.dot(*spec.normal) * (spec.un.at(t1) - spec.un.at(t0));
+    if (spec.depends_on_place()) continue;
+    for (int i = 0; i < dimension_; ++i)
+      if (const auto& u = spec.u[i]) work += mean[i] * (u->at(t1) - u->at(t0));
+  }
+  for (std::size_t k = 0; k < now.node.size(); ++k) {
+    const NodeCondition& c = conditions_[k];
+    const NodeBoundary& spec = case_.boundaries[c.boundary];
+    if (!spec.depends_on_place()) continue;
+    const TimeFunction& u = *spec.u[c.component];
+    const double first = before.node.empty() ? 0.0 : before.node[k];
+    work += 0.5 * (now.node[k] + first) * (u.at(t1, c.at) - u.at(t0, c.at));
+  }
+  return work;
+}
+
+double BoundaryConditions::friction_work(const NodalVector& du, double t0, double t1) const {
+  double heat = grid_contact_.work(du);
+  for (const ContactPoint& p : contacts_) heat += contact_force(p, du, t0, t1).heat;
+  return comm_.sum(heat);
+}
+
+}  // namespace berm

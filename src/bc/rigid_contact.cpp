@@ -1,0 +1,135 @@
+/// Contact with rigid bodies, which move as the case says: at points of surfaces, or by nodes that they take along.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "bc/boundary.hpp"
+#include "bc/case_lookup.hpp"
+
+namespace berm {
+
+void BoundaryConditions::add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d) {
+  const Contact& spec = c.contacts[contact];
+  const std::vector<Vec3> places = d.points_inside(region, spec.rigid);
+  if (places.empty())
+    throw InputError(
+        fmt::format("[contact.{}]: kind = \"shared_nodes\" needs a background grid (method = \"mpm\"); "
+                    "take \"tie\" or \"no_slip\"",
+                    spec.name));
+  for (const Vec3& x : places) {
+    RigidPoint point;
+    point.anchor = anchor_at(body_index(c, spec.body), x);
+    point.anchor.rigid = true;
+    point.id = static_cast<int>(rigid_points_.size());
+    point.contact = contact;
+    rigid_points_.push_back(point);
+  }
+}
+
+void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
+                                       const std::vector<SurfacePoint>& surface) {
+  for (std::size_t k = 0; k < c.contacts.size(); ++k) {
+    const Contact& spec = c.contacts[k];
+    const int rigid = body_index(c, spec.rigid), body = body_index(c, spec.body);
+    rigid_of_contact_.push_back(rigid);
+    if (!spec.other.empty()) continue;  // at the nodes of the grid
+    const Region& region = rigid_regions_.try_emplace(rigid, *c.bodies[rigid].shape, cell_size_).first->second;
+    if (spec.kind == Contact::Kind::shared_nodes) {
+      add_rigid_points(c, static_cast<int>(k), region, d);
+      continue;
+    }
+    const double factor = spec.stiffness * stiffness_of(c, body) / cell_size_;
+    const double touching = 1e-3 * cell_size_;
+    const std::size_t before = contacts_.size();
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body) continue;
+      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(s.X).distance) > touching) continue;
+      ContactPoint point;
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(contacts_.size());
+      point.contact = static_cast<int>(k);
+      point.stiffness = factor * s.area;
+      contacts_.push_back(point);
+    }
+    if (contacts_.size() == before)
+      throw InputError(
+          fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
+                      spec.body, spec.rigid));
+  }
+}
+
+/// Nodes of cells that hold points of rigid bodies with shared nodes, on all processes.
+void BoundaryConditions::share_nodes(const Discretisation& d) {
+  moved_by_.assign(d.n_nodes(), -1);
+  for (std::size_t k = 0; k < case_.contacts.size(); ++k) {
+    if (case_.contacts[k].kind != Contact::Kind::shared_nodes || !acts(case_.contacts[k].stages)) continue;
+    std::vector<char> shared(d.n_nodes(), 0);
+    for (const RigidPoint& p : rigid_points_)
+      if (p.contact == static_cast<int>(k))
+        for (int i = 0; i < p.anchor.stencil.n; ++i) shared[p.anchor.stencil.node[i]] = 1;
+    d.halo.add_to_owners(shared.data(), 1);
+    d.halo.copy_to_ghosts(shared.data(), 1);
+    for (int node = 0; node < d.n_nodes(); ++node)
+      if (shared[node] && moved_by_[node] < 0) moved_by_[node] = static_cast<int>(k);
+  }
+}
+
+void BoundaryConditions::find_gaps() {
+  for (ContactPoint& p : contacts_) {
+    if (case_.contacts[p.contact].kind == Contact::Kind::tie) continue;
+    const int rigid = rigid_of_contact_[p.contact];
+    const Region::Nearest nearest = rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u - rigid_offset_[rigid]);
+    p.normal = nearest.normal;
+    p.gap = nearest.distance;
+  }
+}
+
+Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
+  const VectorFunction& motion = case_.bodies[body].displacement;
+  return motion.at(t1) - motion.at(t0);
+}
+
+/// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip, and with friction what Coulomb's cone
+/// lets through of that.   [boundaries (3), (4), (10), (11)]
+BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
+                                                                   double t0, double t1) const {
+  const Contact& spec = case_.contacts[point.contact];
+  if (!acts(spec.stages)) return {Vec3::Zero(), Mat3::Zero(), false, point.slip};
+  const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
+  const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
+  const double k = point.stiffness;
+  if (spec.kind == Contact::Kind::tie) {
+    const Vec3 slip = point.slip + relative;
+    return {-k * slip, k * Mat3::Identity(), true, slip};
+  }
+  // Surfaces that just touch count as closed, so that a body laid on another one is held from the first guess on.
+  const double gap = point.gap + point.normal.dot(relative), touching = 1e-12 * cell_size_;
+  if (gap >= touching) return {};
+  const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
+  const Vec3 push = -k * gap * point.normal;
+  if (spec.kind == Contact::Kind::frictionless) return {push, k * nn, true};
+  const Vec3 slip = tangential * (point.slip + relative);
+  const double limit = spec.friction * std::max(0.0, -gap), size = slip.norm();  // over k
+  if (spec.kind == Contact::Kind::no_slip || size <= limit) return {push - k * slip, k * Mat3::Identity(), true, slip};
+
+  const Vec3 direction = slip / size;
+  const double before = spec.friction * std::max(0.0, -point.gap);
+  ContactForce sliding{push - k * limit * direction, k * nn, true, limit * direction};
+  sliding.stiffness += k * (limit / size) * (tangential - direction * direction.transpose());
+  if (gap < 0.0) sliding.stiffness -= k * spec.friction * (direction * point.normal.transpose());
+  sliding.heat = 0.5 * k * (before + limit) * (size - limit);
+  return sliding;
+}
+
+void BoundaryConditions::restore_rigid(double time) {
+  for (std::size_t b = 0; b < case_.bodies.size(); ++b)
+    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(time);
+  for (RigidPoint& p : rigid_points_) {
+    p.anchor.u = rigid_offset_[rigid_of_contact_[p.contact]];
+    if (case_.kinematics == Kinematics::finite) p.anchor.x = p.anchor.X + p.anchor.u;
+  }
+}
+
+}  // namespace berm

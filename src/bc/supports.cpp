@@ -1,0 +1,154 @@
+/// Prescribed nodes and inclined supports.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "base/error.hpp"
+#include "bc/boundary.hpp"
+#include "method/depth.hpp"
+
+namespace berm {
+namespace {
+
+bool share_a_stage(const Stages& a, const Stages& b) {
+  return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
+/// Stiffness of an inclined node, in units of E t (in space E h).
+constexpr double inclined_penalty = 1e6;
+
+}  // namespace
+
+void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
+  const Mesh& mesh = d.mesh();
+  double youngs = 0.0;
+  for (const Material& m : c.materials)
+    youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
+  const double stiffness = inclined_penalty * youngs * (dimension_ == 3 ? d.cell_size() : 1.0);
+  for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
+    const NodeBoundary& spec = c.boundaries[b];
+    const std::vector<int>* group = nullptr;
+    if (spec.where.group) {
+      const auto found = mesh.node_groups.find(*spec.where.group);
+      if (found == mesh.node_groups.end())
+        throw InputError(fmt::format("[boundary.{}]: no mesh has a physical {} named \"{}\"", spec.name,
+                                     dimension_ == 3 ? "surface" : "curve", *spec.where.group));
+      group = &found->second;
+    }
+    bool any = false;
+    const int n = group ? static_cast<int>(group->size()) : mesh.n_nodes();
+    for (int k = 0; k < n; ++k) {
+      const int node = group ? (*group)[k] : k;
+      if (!inside(spec.where, mesh.nodes[node])) continue;
+      any = true;
+      const Vec3& at = mesh.nodes[node];
+      for (int i = 0; i < dimension_; ++i)
+        if (spec.u[i]) prescribe(node, at, i, static_cast<int>(b));
+      if (spec.normal)
+        for (int field = 0; field < d.n_fields(); ++field)
+          inclined_.push_back({node + field * mesh.n_nodes(), static_cast<int>(b),
+                               stiffness * depth(c.space, c.thickness, at.x()), 0.0});
+    }
+    if (!any)
+      throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
+                                   c.method == Method::mpm ? "background grid" : "body meshes"));
+  }
+  // Where a displacement is prescribed as a whole, nothing is left to slip.
+  std::erase_if(inclined_, [&](const InclinedNode& n) {
+    int prescribed = 0;
+    for (int i = 0; i < dimension_; ++i)
+      for (const int b : boundaries_at_[{n.node % mesh.n_nodes(), i}])
+        if (share_a_stage(case_.boundaries[b].stages, case_.boundaries[n.boundary].stages)) {
+          ++prescribed;
+          break;
+        }
+    return prescribed == dimension_;
+  });
+}
+
+/// The first boundary of a stage owns a displacement; another one may only repeat it.
+void BoundaryConditions::prescribe(int node, const Vec3& at, int component, int boundary) {
+  const NodeBoundary& spec = case_.boundaries[boundary];
+  std::vector<int>& others = boundaries_at_[{node, component}];
+  for (const int other : others) {
+    const NodeBoundary& first = case_.boundaries[other];
+    if (first.u[component] != spec.u[component] && share_a_stage(first.stages, spec.stages))
+      throw InputError(
+          fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements u{} of the same node: "
+                      "make their regions disjoint",
+                      first.name, spec.name, "xyz"[component]));
+  }
+  others.push_back(boundary);
+  by_place_ |= spec.depends_on_place();
+  conditions_.push_back({node, component, boundary, at});
+}
+
+void BoundaryConditions::find_prescribed(const Discretisation& d) {
+  local_conditions_.clear();
+  std::set<std::pair<int, int>> taken;
+  for (std::size_t k = 0; k < conditions_.size(); ++k) {
+    const NodeCondition& c = conditions_[k];
+    if (!acts(case_.boundaries[c.boundary].stages)) continue;
+    for (int field = 0; field < d.n_fields(); ++field) {
+      const int node = d.halo.find(c.node + std::int64_t(field) * d.mesh().n_nodes());
+      if (node >= 0 && taken.insert({node, c.component}).second)
+        local_conditions_.emplace_back(static_cast<int>(k), node);
+    }
+  }
+}
+
+/// Inclined nodes among the local ones; each process that touches such a node adds its share.
+void BoundaryConditions::find_inclined(const Discretisation& d) {
+  local_inclined_.clear();
+  if (inclined_.empty()) return;
+  std::vector<std::pair<int, int>> block_of(d.n_nodes(), {-1, -1});
+  for (int block = 0; block < d.blocks.size(); ++block)
+    for (std::size_t k = 0; k < d.blocks[block].size(); ++k)
+      block_of[d.blocks[block][k]] = {block, static_cast<int>(k)};
+  std::vector<double> touching(d.n_nodes(), 0.0);
+  for (int node = 0; node < d.n_nodes(); ++node) touching[node] = block_of[node].first >= 0 ? 1.0 : 0.0;
+  d.halo.add_to_owners(touching.data(), 1);
+  d.halo.copy_to_ghosts(touching.data(), 1);
+  for (std::size_t k = 0; k < inclined_.size(); ++k) {
+    const int node = d.halo.find(inclined_[k].node);
+    if (!acts(case_.boundaries[inclined_[k].boundary].stages)) continue;
+    if (node < 0 || block_of[node].first < 0) continue;
+    local_inclined_.push_back(
+        {static_cast<int>(k), node, block_of[node].first, block_of[node].second, 1.0 / touching[node]});
+  }
+}
+
+/// Force of a node against an inclined support [N].   [boundaries (9)]
+double BoundaryConditions::push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const {
+  const InclinedNode& node = inclined_[local.index];
+  const NodeBoundary& spec = case_.boundaries[node.boundary];
+  return node.push + node.stiffness * (spec.normal->dot(du[local.node]) - (spec.un.at(t1) - spec.un.at(t0)));
+}
+
+std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t1) const {
+  std::vector<double> du(fixed_.size(), 0.0);
+  for (const auto& [k, node] : local_conditions_) {
+    const NodeCondition& c = conditions_[k];
+    const TimeFunction& u = *case_.boundaries[c.boundary].u[c.component];
+    du[dimension_ * node + c.component] = u.at(t1, c.at) - u.at(t0, c.at);
+  }
+  for (std::size_t node = 0; node < moved_by_.size(); ++node) {
+    if (moved_by_[node] < 0) continue;
+    const Vec3 motion = rigid_step(rigid_of_contact_[moved_by_[node]], t0, t1);
+    for (int i = 0; i < dimension_; ++i) du[dimension_ * node + i] = motion[i];
+  }
+  return du;
+}
+
+std::string BoundaryConditions::idle_boundary() const {
+  std::vector<double> works(case_.boundaries.size(), 0.0);
+  for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
+  for (const LocalInclined& local : local_inclined_) works[inclined_[local.index].boundary] += 1.0;
+  comm_.sum(works);
+  for (std::size_t b = 0; b < works.size(); ++b)
+    if (works[b] == 0.0) return case_.boundaries[b].name;
+  return "";
+}
+
+}  // namespace berm

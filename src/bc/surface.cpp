@@ -1,0 +1,43 @@
+#include "bc/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace berm {
+
+double share_inside(const Where& where, const SurfacePoint& s, int dimension) {
+  int count = 0, all = 0;
+  const auto look = [&](const Vec3& x) {
+    count += inside(where, x);
+    ++all;
+  };
+  if (dimension == 2) {
+    const Vec3 along(-s.normal.y(), s.normal.x(), 0.0);
+    for (int i = 0; i < 100; ++i) look(s.X + s.size * ((i + 0.5) / 100 - 0.5) * along);
+    return double(count) / all;
+  }
+  // Equal parts of the triangle, or of the square that the quadrilateral is the image of.
+  constexpr int n = 10;
+  const auto& c = s.corner;
+  const bool quadrilateral = s.n_corners == 4;
+  const auto place = [&](double u, double v) {
+    return quadrilateral ? Vec3((1.0 - u) * ((1.0 - v) * c[0] + v * c[3]) + u * ((1.0 - v) * c[1] + v * c[2]))
+                         : Vec3(c[0] + u * (c[1] - c[0]) + v * (c[2] - c[0]));
+  };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      if (quadrilateral) {
+        look(place((i + 0.5) / n, (j + 0.5) / n));
+        continue;
+      }
+      if (i + j < n) look(place((i + 1.0 / 3.0) / n, (j + 1.0 / 3.0) / n));
+      if (i + j < n - 1) look(place((i + 2.0 / 3.0) / n, (j + 2.0 / 3.0) / n));
+    }
+  return double(count) / all;
+}
+
+bool in_group(const SurfacePoint& s, const std::string& group) {
+  return std::find(s.groups.begin(), s.groups.end(), group) != s.groups.end();
+}
+
+}  // namespace berm

@@ -1,0 +1,179 @@
+/// What a run comes to: energies, metrics, summary.json.
+#include <algorithm>
+#include <cmath>
+
+#include "mesh/region.hpp"
+#include "sim/recorder.hpp"
+
+namespace berm {
+
+/// N = RMS(stress - smooth stress) / max |stress|, smooth = linear fit over three cells, components in the plane or
+/// all. Process 0 looks at the points of all; in space, where a neighbourhood may hold a thousand, at a sample of them,
+/// spread by a multiplicative hash of their ids (Knuth 1973, 6.4): neighbours have consecutive ids.
+double Recorder::stress_noise() const {
+  const Discretisation& d = *world_.discretisation;
+  constexpr int width = 11;
+  constexpr double most = 5000.0;
+  const double share = dimension_ == 3 ? most / static_cast<double>(world_.n_points()) : 1.0;
+  const auto chosen = [&](std::int64_t id) { return std::uint32_t(id) * 2654435769u < share * 4294967296.0; };
+  std::vector<double> mine;
+  const std::vector<Vec3> origins = d.point_origins();
+  for (std::size_t p = 0; p < origins.size(); ++p) {
+    mine.push_back(chosen(d.point_ids()[p]));
+    mine.insert(mine.end(), origins[p].data(), origins[p].data() + 3);
+    mine.push_back(d.material.volume[p]);
+    mine.insert(mine.end(), d.material.stress[p].data(), d.material.stress[p].data() + 6);
+  }
+  const std::vector<double> all = world_.comm.gather(mine);
+  if (!world_.comm.is_root()) return 0.0;
+  const std::size_t n = all.size() / width;
+  std::vector<Vec3> x;
+  std::vector<double> volume;
+  for (std::size_t p = 0; p < n; ++p) {
+    x.emplace_back(all[width * p + 1], all[width * p + 2], all[width * p + 3]);
+    volume.push_back(all[width * p + 4]);
+  }
+  const double radius = 1.5 * d.cell_size();
+  const PointBins bins(x, radius, dimension_);
+  double sum = 0.0, largest = 0.0;
+  int looked_at = 0;
+  const auto component = [&](std::size_t p, int c) { return all[width * p + 5 + c]; };
+  for (std::size_t p = 0; p < n; ++p) {
+    const bool chosen_point = all[width * p] != 0.0;
+    const LocalFit fit = chosen_point ? bins.fit(x[p], radius, volume) : LocalFit{};
+    double difference = 0.0, size = 0.0;
+    for (int c : {XX, YY, ZZ, XY, YZ, ZX}) {
+      if (dimension_ == 2 && c != XX && c != YY && c != XY) continue;
+      const double weight = c >= XY ? 2.0 : 1.0, here = component(p, c);
+      size += weight * here * here;
+      const double off = here - fit.apply([&](int q) { return component(q, c); });
+      difference += weight * off * off;
+    }
+    largest = std::max(largest, size);
+    if (!chosen_point) continue;
+    sum += difference;
+    ++looked_at;
+  }
+  return largest > 0.0 ? std::sqrt(sum / looked_at / largest) : 0.0;
+}
+
+double Recorder::stored_energy() const { return world_.comm.sum(world_.discretisation->material.stored_energy()); }
+double Recorder::dissipated_energy() const {
+  return world_.comm.sum(world_.discretisation->material.dissipated_energy());
+}
+
+/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp| / max(|W_ext|, KE_0).
+double Recorder::energy_error(double stored, double dissipated) const {
+  const Balance& b = step_.balance();
+  const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
+  const double missing =
+      b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped - b.friction_work;
+  return size == 0.0 ? 0.0 : std::abs(missing) / size;
+}
+
+std::vector<std::pair<std::string, double>> Recorder::metrics() const {
+  const Nominal& n = world_.spec.output.nominal;
+  struct Point {
+    double displacement, load;
+  };
+  std::vector<Point> curve;
+  for (std::size_t k = 0; k < rows_.size(); k += n_columns_)
+    curve.push_back({rows_[k + displacement_column], rows_[k + load_column]});
+  std::size_t peak = 0;
+  for (std::size_t k = 0; k < curve.size(); ++k)
+    if (curve[k].load > curve[peak].load) peak = k;
+  const double load = curve[peak].load;
+
+  // Stiffness: least squares over the rising branch between 10 and 40 % of the peak; the two ends bracket it if the
+  // steps are too large to fall inside.
+  auto at_load = [&](double wanted) {
+    for (std::size_t k = 1; k <= peak; ++k)
+      if (curve[k].load >= wanted) {
+        const Point &a = curve[k - 1], &b = curve[k];
+        return a.displacement + (b.displacement - a.displacement) * (wanted - a.load) / (b.load - a.load);
+      }
+    return std::nan("");
+  };
+  const double stiffness = 0.3 * load / n.area / ((at_load(0.4 * load) - at_load(0.1 * load)) / n.length);
+
+  double noise = std::nan("");
+  double best = infinity;
+  for (const auto& [at, value] : noise_)
+    if (std::abs(at - 0.5 * load) < best) {
+      best = std::abs(at - 0.5 * load);
+      noise = value;
+    }
+  const double stored = stored_energy(), dissipated = dissipated_energy();
+  std::vector<std::pair<std::string, double>> list = {
+      {"peak_load [N]", load},
+      {"peak_stress [Pa]", load / n.area},
+      {"displacement_at_peak [m]", curve[peak].displacement},
+      {"stiffness_10_40 [Pa]", stiffness},
+      {"stress_noise [-]", noise},
+      {"energy_error [-]", energy_error(stored, dissipated)},
+      {"dissipated_energy [J]", dissipated},
+      {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
+      {"cut_steps [-]", double(cut_steps_)},
+      {"newton_iterations [-]", double(newton_iterations_)},
+      {"points_lost [-]", double(n_points_ - world_.n_points())}};
+  const MaterialState& m = world_.discretisation->material;
+  if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
+  return list;
+}
+
+void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {
+  if (last_frame_step_ != steps_) write_frame(take_frame());
+  Summary s;
+  s.title = world_.spec.title;
+  s.method = world_.spec.method == Method::mpm ? "mpm" : "fem";
+  s.case_file = world_.spec.file.filename().string();
+  s.status = status;
+  s.reason = reason;
+  s.dofs = step_.unknowns();
+  s.points = world_.n_points();
+  s.steps = steps_;
+  s.cut_steps = cut_steps_;
+  s.newton_iterations = newton_iterations_;
+  s.wall_seconds = wall_seconds;
+  s.thickness = world_.spec.thickness;
+  s.dimension = dimension_;
+  s.axisymmetric = world_.spec.space == Space::axisymmetric;
+  s.processes = world_.comm.size();
+  s.references = world_.spec.output.references;
+  s.metrics = metrics();
+  for (const Body& b : world_.spec.bodies)
+    if (b.rigid)
+      for (const auto& [time, file] : points_pvd_.entries()) {
+        const Vec3 u = b.displacement.at(time);
+        s.rigid_motion[b.name].push_back({time, u.x(), u.y(), u.z()});
+      }
+  world_.comm.agree([&] {
+    if (!world_.comm.is_root()) return;
+    write_surfaces(s);
+    write_summary((folder_ / "summary.json").string(), s);
+  });
+}
+
+/// Outlines in the plane; in space one file of triangles a body.
+void Recorder::write_surfaces(Summary& summary) const {
+  for (const Body& b : world_.spec.bodies) {
+    if (!b.shape) continue;
+    const Region region(*b.shape, world_.discretisation->cell_size());
+    if (region.plane()) {
+      summary.body_rings[b.name] = region.plane()->rings();
+      continue;
+    }
+    const TriangleSurface& surface = region.solid()->surface();
+    VtuData data;
+    data.points = surface.vertices;
+    for (const auto& triangle : surface.triangles) {
+      data.connectivity.insert(data.connectivity.end(), triangle.begin(), triangle.end());
+      data.offsets.push_back(static_cast<int>(data.connectivity.size()));
+      data.types.push_back(vtk_triangle);
+    }
+    summary.body_surfaces[b.name] = "surface_" + b.name + ".vtu";
+    write_vtu((folder_ / summary.body_surfaces[b.name]).string(), data);
+  }
+}
+
+}  // namespace berm
