@@ -148,6 +148,7 @@ ENERGIES = (
 MOTION_ENERGIES = (
     ("kinetic_energy", "Kinetic", "#009e73"),
     ("damping_energy", "Damping", "#999999"),
+    ("transfer_energy", "Transfer", "#555555"),
     ("friction_energy", "Friction", "#cc79a7"),
 )
 

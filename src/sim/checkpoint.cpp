@@ -131,6 +131,7 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   const Balance& balance = step.balance();
   file.write_number("external_work", balance.external_work);
   file.write_number("damped", balance.damped);
+  file.write_number("transferred", balance.transferred);
   file.write_number("kinetic", balance.kinetic);
   file.write_number("kinetic_at_start", balance.kinetic_at_start);
   file.write_number("friction_work", balance.friction_work);
@@ -174,6 +175,7 @@ void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, 
   Balance balance;
   balance.external_work = file.read_number("external_work");
   balance.damped = file.read_number("damped");
+  balance.transferred = file.read_number("transferred");
   balance.kinetic = file.read_number("kinetic");
   balance.kinetic_at_start = file.read_number("kinetic_at_start");
   balance.friction_work = file.read_number("friction_work");

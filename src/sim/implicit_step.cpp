@@ -476,8 +476,12 @@ void ImplicitStep::accept_motion() {
     const NodalVector internal = internal_force();
     balance_.damped += how.rayleigh_stiffness / settings_.dt * (dot(internal, du_) - dot(old_internal_, du_));
   }
-  d.commit_motion(motion_->velocity(), motion_->velocity(du_), motion_->acceleration(du_), how);
+  const NodalVector v1 = motion_->velocity(du_);
+  const double gained = world_.comm.sum(motion_->kinetic_energy(d, v1) - motion_->kinetic_energy(d, motion_->velocity()));
+  const double before = world_.kinetic_energy();
+  d.commit_motion(motion_->velocity(), v1, motion_->acceleration(du_), how);
   balance_.kinetic = world_.kinetic_energy();
+  balance_.transferred += gained - (balance_.kinetic - before);
 }
 
 /// What moves goes on to move unless the stage is quasi-static.

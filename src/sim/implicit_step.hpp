@@ -27,6 +27,7 @@ struct Balance {
   std::vector<Vec3> pressure_force;  ///< by case pressure [N]
   double external_work = 0.0;        ///< since the start [J]
   double damped = 0.0;               ///< taken by damping forces since the start [J]
+  double transferred = 0.0;          ///< lost between points and grid since the start [J]   [dynamics (17)]
   double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
   double friction_work = 0.0;        ///< heat of sliding contact since the start [J]
 };

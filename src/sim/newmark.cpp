@@ -129,6 +129,14 @@ NodalVector Newmark::damping(const Discretisation& d, NodalVector v) const {
   return f;
 }
 
+double Newmark::kinetic_energy(const Discretisation& d, const NodalVector& v) const {
+  NodalVector momentum(v.size(), Vec3::Zero());
+  add_mass_times(d, 0.0, v, momentum, nullptr);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) sum += 0.5 * momentum[i].dot(v[i]);
+  return sum;
+}
+
 double Newmark::error(const Discretisation& d, const NodalVector& du) const {
   const NodalVector a = acceleration(du);
   double change = 0.0, size = 0.0;

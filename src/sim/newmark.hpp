@@ -40,6 +40,8 @@ public:
   NodalVector inertia() const;
   /// Damping forces at the velocity v that are no stiffness damping, of this process.   [(14), (15)]
   NodalVector damping(const Discretisation& d, NodalVector v) const;
+  /// Of nodes with the velocities v, of this process [J].
+  double kinetic_energy(const Discretisation& d, const NodalVector& v) const;
   /// Error of the step: of the mean acceleration, relative to its displacement. Collective.   [(16)]
   double error(const Discretisation& d, const NodalVector& du) const;
 

@@ -55,7 +55,8 @@ void Recorder::start() {
 
 std::vector<std::string> Recorder::columns() const {
   std::vector<std::string> names = standard_history_columns();
-  if (world_.spec.is_dynamic()) names.insert(names.end(), {"kinetic_energy [J]", "damping_energy [J]"});
+  if (world_.spec.is_dynamic())
+    names.insert(names.end(), {"kinetic_energy [J]", "damping_energy [J]", "transfer_energy [J]"});
   if (world_.spec.has_friction()) names.push_back("friction_energy [J]");
   for (const Gauge& g : world_.spec.output.gauges) names.push_back("gauge:" + g.name + " [m]");
   const std::vector<std::string> probes = probe_columns();
@@ -111,7 +112,8 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
                              result.residual,
                              result.extrapolation_error,
                              double(static_cast<int>(integration))};
-  if (world_.spec.is_dynamic()) row.insert(row.end(), {step_.balance().kinetic, step_.balance().damped});
+  if (world_.spec.is_dynamic())
+    row.insert(row.end(), {step_.balance().kinetic, step_.balance().damped, step_.balance().transferred});
   if (world_.spec.has_friction()) row.push_back(step_.balance().friction_work);
   for (const GaugeLine& g : world_.boundary->gauges()) row.push_back(g.elongation());
   const std::vector<double> probes = probe_values();

@@ -62,12 +62,12 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp| / max(|W_ext|, KE_0).
+/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp - W_transfer - W_friction| / max(|W_ext|, KE_0).   [dynamics (18)]
 double Recorder::energy_error(double stored, double dissipated) const {
   const Balance& b = step_.balance();
   const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
-  const double missing =
-      b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped - b.friction_work;
+  const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped -
+                         b.transferred - b.friction_work;
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
