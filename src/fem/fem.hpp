@@ -41,7 +41,9 @@ public:
   void start_motion(const std::function<Vec3(int body, const Vec3& X)>& velocity) override;
   void add_motion(std::vector<double>& mass, NodalVector& momentum, NodalVector& inertia) const override;
   void add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const override;
-  void commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1, const Dynamics& how) override;
+  void start_accelerations(const NodalVector& a) override { a_ = a; }
+  void commit_motion(const NodalVector& v0, const NodalVector& a0, const NodalVector& v1, const NodalVector& a1,
+                     const Dynamics& how) override;
   double kinetic_energy(const Dynamics& how) const override;
   void reset_displacements() override { u_before_ = u_; }
 

@@ -72,8 +72,8 @@ void FemDiscretisation::add_inertia(double factor, const NodalVector& a, NodalVe
   }
 }
 
-void FemDiscretisation::commit_motion(const NodalVector&, const NodalVector& v1, const NodalVector& a1,
-                                      const Dynamics&) {
+void FemDiscretisation::commit_motion(const NodalVector&, const NodalVector&, const NodalVector& v1,
+                                      const NodalVector& a1, const Dynamics&) {
   v_ = v1;
   a_ = a1;
 }

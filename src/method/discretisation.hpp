@@ -111,9 +111,11 @@ public:
   virtual void add_motion(std::vector<double>& mass, NodalVector& momentum, NodalVector& inertia) const = 0;
   /// Consistent mass times a, added to f, and `factor` times the mass, added to the matrix, if wanted.
   virtual void add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const = 0;
-  /// The material takes its motion from the nodes: v0, v1 at the beginning and the end of the step, a1 at the end.
-  /// Before commit().
-  virtual void commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1,
+  /// The material takes the accelerations with which a motion begins from the nodes.   [(10)]
+  virtual void start_accelerations(const NodalVector& a) = 0;
+  /// The material takes its motion from the nodes: v0, a0 at the beginning of the step, v1, a1 at its end. Before
+  /// commit().
+  virtual void commit_motion(const NodalVector& v0, const NodalVector& a0, const NodalVector& v1, const NodalVector& a1,
                              const Dynamics& how) = 0;
   /// Of the material of this process [J].
   virtual double kinetic_energy(const Dynamics& how) const = 0;

@@ -22,8 +22,7 @@ bool all_elastic(const MaterialState& m) {
 
 }  // namespace
 
-ImplicitStep::ImplicitStep(World& world)
-    : world_(world), dimension_(world.spec.dimension()) {
+ImplicitStep::ImplicitStep(World& world) : world_(world), dimension_(world.spec.dimension()) {
   const Case& c = world.spec;
   settings_.space = c.space;
   settings_.kinematics = c.kinematics;
@@ -48,9 +47,7 @@ double ImplicitStep::dot(const NodalVector& a, const NodalVector& b) const {
 
 double ImplicitStep::norm(const NodalVector& f) const { return std::sqrt(dot(f, f)); }
 
-int ImplicitStep::n_mine() const {
-  return dimension_ * world_.discretisation->halo.n_owned + (owns_border() ? 1 : 0);
-}
+int ImplicitStep::n_mine() const { return dimension_ * world_.discretisation->halo.n_owned + (owns_border() ? 1 : 0); }
 
 void ImplicitStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
@@ -81,7 +78,8 @@ NodalVector ImplicitStep::pressure_at(double time, const NodalVector& du) const 
 
 bool ImplicitStep::has_weight() const {
   const Case& c = world_.spec;
-  return !c.gravity.is_zero() || std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.acceleration.is_zero(); });
+  return !c.gravity.is_zero() ||
+         std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.acceleration.is_zero(); });
 }
 
 NodalVector ImplicitStep::weight_at(double time) const {
@@ -208,8 +206,7 @@ bool ImplicitStep::residual(const std::vector<double>& x, std::vector<double>& r
   for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
     if (!fixed[k]) r[k] = force_[k / dimension_][k % dimension_];
   if (gauge_ >= 0) {
-    const double value =
-        gauge_scale_ * (gauge_value() - world_.spec.control.target * (t1_ / world_.spec.duration()));
+    const double value = gauge_scale_ * (gauge_value() - world_.spec.control.target * (t1_ / world_.spec.duration()));
     if (owns_border()) r.back() = value;
   }
   cached_x_ = x;
@@ -279,8 +276,8 @@ std::vector<double> ImplicitStep::velocity_of_prescribed(double t0, double t1) c
   return v;
 }
 
-/// The motion of the nodes at t_n and of the prescribed ones over the step. Prescribed velocities are differences over a
-/// small part of the step at its ends.   [dynamics (6)]
+/// The motion of the nodes at t_n and of the prescribed ones over the step. Prescribed velocities are differences over
+/// a small part of the step at its ends.   [dynamics (6)]
 void ImplicitStep::begin_motion(double dt) {
   const Discretisation& d = *world_.discretisation;
   const Stage& stage = world_.present_stage();
@@ -314,13 +311,14 @@ void ImplicitStep::forces_at_start() {
 
 /// The acceleration with which a motion begins: that of the forces.   [dynamics (10)]
 void ImplicitStep::start_acceleration() {
-  const Discretisation& d = *world_.discretisation;
+  Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   world_.boundary->add_forces(d, du_, t0_, t0_, f, nullptr);
   d.halo.add_to_owners(f.data()->data(), 3);
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
   d.halo.copy_to_ghosts(f.data()->data(), 3);
   motion_->set_acceleration(f);
+  d.start_accelerations(motion_->gathered_acceleration());
 }
 
 /// Unknowns to start Newton's method from. False if the matrix of a linear guess could not be factorised.
@@ -338,8 +336,8 @@ bool ImplicitStep::first_guess(std::vector<double>& x, int& iterations, Integrat
   return linear_predictor(x);
 }
 
-/// How Newton's method is tried, in this order. Where damage localises, or a contact closes, the residual norm has to grow
-/// before it falls: full steps get through more often. With inertia they mostly are the shortest way.
+/// How Newton's method is tried, in this order. Where damage localises, or a contact closes, the residual norm has to
+/// grow before it falls: full steps get through more often. With inertia they mostly are the shortest way.
 std::vector<ImplicitStep::Attempt> ImplicitStep::attempts(const Solver& s) const {
   constexpr int few = 8;
   if (!s.line_search) return {{false, s.max_iterations}};
@@ -477,9 +475,10 @@ void ImplicitStep::accept_motion() {
     balance_.damped += how.rayleigh_stiffness / settings_.dt * (dot(internal, du_) - dot(old_internal_, du_));
   }
   const NodalVector v1 = motion_->velocity(du_);
-  const double gained = world_.comm.sum(motion_->kinetic_energy(d, v1) - motion_->kinetic_energy(d, motion_->velocity()));
+  const double gained =
+      world_.comm.sum(motion_->kinetic_energy(d, v1) - motion_->kinetic_energy(d, motion_->velocity()));
   const double before = world_.kinetic_energy();
-  d.commit_motion(motion_->velocity(), v1, motion_->acceleration(du_), how);
+  d.commit_motion(motion_->velocity(), motion_->acceleration(), v1, motion_->acceleration(du_), how);
   balance_.kinetic = world_.kinetic_energy();
   balance_.transferred += gained - (balance_.kinetic - before);
 }
@@ -507,7 +506,7 @@ void ImplicitStep::set_up_stage() {
                      linear_count_.fallbacks + n.fallbacks};
   }
   newton_ = std::make_unique<NewtonSolver>(stage.solver, world_.comm);
-  connectivity_ = -1;  // it has no matrix yet
+  connectivity_ = -1;                            // it has no matrix yet
   if (world_.boundary->stage() != stage.name) {  // other unknowns may be prescribed
     world_.boundary->begin_stage(stage.name);
     prepared_ = world_.step_begun = false;

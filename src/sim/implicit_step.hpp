@@ -1,8 +1,8 @@
 #pragma once
 /// One step: equilibrium or motion at t + dt by Newton, implicit or IMPL-EX. Nothing is committed before `accept`.
 
-#include <optional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "la/newton.hpp"
@@ -24,12 +24,12 @@ struct StepResult {
 /// Forces and energies of the state at t_n, of all processes.
 struct Balance {
   Reactions reactions;
-  std::vector<Vec3> pressure_force;  ///< by case pressure [N]
-  double external_work = 0.0;        ///< since the start [J]
-  double damped = 0.0;               ///< taken by damping forces since the start [J]
-  double transferred = 0.0;          ///< lost between points and grid since the start [J]   [dynamics (17)]
+  std::vector<Vec3> pressure_force;              ///< by case pressure [N]
+  double external_work = 0.0;                    ///< since the start [J]
+  double damped = 0.0;                           ///< taken by damping forces since the start [J]
+  double transferred = 0.0;                      ///< lost between points and grid since the start [J]   [dynamics (17)]
   double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
-  double friction_work = 0.0;        ///< heat of sliding contact since the start [J]
+  double friction_work = 0.0;                    ///< heat of sliding contact since the start [J]
 };
 
 /// Seconds spent since the start.
@@ -116,7 +116,7 @@ private:
   double last_dt_ = 0.0;
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;
-  std::optional<Newmark> motion_;  ///< of the step; dynamic analyses only
+  std::optional<Newmark> motion_;            ///< of the step; dynamic analyses only
   NodalVector old_internal_, old_external_;  ///< forces at t_n, where the equation of motion asks for them
   bool motion_ready_ = false;                ///< motion_ knows the nodes of the state at t_n
   int gauge_ = -1;

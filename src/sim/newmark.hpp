@@ -21,9 +21,12 @@ public:
 
   /// A first guess of the increment: with the acceleration at t_n.
   NodalVector guess() const;
-  NodalVector velocity(const NodalVector& du) const;      ///< at t_{n+1}   [(5)]
-  NodalVector acceleration(const NodalVector& du) const;  ///< likewise     [(4)]
-  const NodalVector& velocity() const { return v0_; }     ///< at t_n
+  NodalVector velocity(const NodalVector& du) const;       ///< at t_{n+1}   [(5)]
+  NodalVector acceleration(const NodalVector& du) const;   ///< likewise     [(4)]
+  const NodalVector& velocity() const { return v0_; }      ///< at t_n
+  const NodalVector& acceleration() const { return a0_; }  ///< likewise
+  /// That of all nodes before any is prescribed.
+  const NodalVector& gathered_acceleration() const { return gathered_a_; }
 
   double velocity_by_increment() const { return gamma_ / (beta_ * dt_); }  ///< dv/du at t_{n+1}
 

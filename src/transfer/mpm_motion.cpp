@@ -50,26 +50,30 @@ void MpmDiscretisation::add_inertia(double factor, const NodalVector& a, NodalVe
   }
 }
 
-/// v += (1 - pic) sum N (v1 - v0) + pic (sum N v1 - v), a = sum N a1   [dynamics (7), (8)]; apic: v = sum N v1 and
-/// C = sum v1 (x) grad N   [(9)]
-void MpmDiscretisation::commit_motion(const NodalVector& v0, const NodalVector& v1, const NodalVector& a1,
-                                      const Dynamics& how) {
+void MpmDiscretisation::start_accelerations(const NodalVector& a) {
+  for_points([&](std::span<const int> list, int p, const double* N) {
+    a_[p].setZero();
+    for (std::size_t k = 0; k < list.size(); ++k) a_[p] += N[k] * a[list[k]];
+  });
+}
+
+/// Velocities and accelerations: flip of what the point had and the change of the nodes, the rest what the nodes have.
+/// [dynamics (7), (8)]   apic: only the latter, and C = sum v1 (x) grad N   [(9)]
+void MpmDiscretisation::commit_motion(const NodalVector& v0, const NodalVector& a0, const NodalVector& v1,
+                                      const NodalVector& a1, const Dynamics& how) {
   using Transfer = Dynamics::Transfer;
   const bool apic = how.transfer == Transfer::apic;
-  const double flip = how.transfer == Transfer::flip    ? 1.0
-                      : how.transfer == Transfer::blend ? how.flip_fraction
-                                                        : 0.0;
+  const double flip = how.transfer == Transfer::flip ? 1.0 : how.transfer == Transfer::blend ? how.flip_fraction : 0.0;
   const int d = dimension();
   for_points([&](std::span<const int> list, int p, const double* s) {
     const int n = static_cast<int>(list.size());
-    Vec3 change = Vec3::Zero(), velocity = Vec3::Zero(), acceleration = Vec3::Zero();
+    Vec3 v = flip * v_[p], a = flip * a_[p];
     for (int k = 0; k < n; ++k) {
-      change += s[k] * (v1[list[k]] - v0[list[k]]);
-      velocity += s[k] * v1[list[k]];
-      acceleration += s[k] * a1[list[k]];
+      v += s[k] * (v1[list[k]] - flip * v0[list[k]]);
+      a += s[k] * (a1[list[k]] - flip * a0[list[k]]);
     }
-    v_[p] = flip * (v_[p] + change) + (1.0 - flip) * velocity;
-    a_[p] = acceleration;
+    v_[p] = v;
+    a_[p] = a;
     if (!apic) return;
     C_[p].setZero();
     for (int k = 0; k < n; ++k)

@@ -124,8 +124,8 @@ where.box.max = [1.0, 1e-6]
 uy = 0.0
 [stage.weight]
 analysis = "dynamic"
-duration = 0.5
-count = 50
+duration = 1.0
+count = 100
 dynamics.rayleigh_mass = 20.0
 [stage.rest]
 analysis = "dynamic"

@@ -46,7 +46,9 @@ std::string block_on_incline(double slope, double friction, double turn, double 
   const double s = std::sin(slope), c = std::cos(slope), ct = std::cos(turn), st = std::sin(turn);
   // Gravity in the axes of the plane is (s, -c) g; the plane is turned counter-clockwise against the grid.
   const double gx = 9.81 * (ct * s + st * c), gy = 9.81 * (st * s - ct * c);
-  const auto at = [&](double x, double y) { return fmt::format("[{:.15g}, {:.15g}]", ct * x - st * y, st * x + ct * y); };
+  const auto at = [&](double x, double y) {
+    return fmt::format("[{:.15g}, {:.15g}]", ct * x - st * y, st * x + ct * y);
+  };
   return fmt::format(R"toml(
 [model]
 gravity = ["{0:.15g}*min(t/0.1, 1)", "{1:.15g}*min(t/0.1, 1)"]
@@ -106,13 +108,15 @@ double way(double slope, double friction, double turn, double duration) {
 
 TEST(BlockOnIncline, SlidesAndSticksAsCoulombSays) {
   constexpr double degree = std::numbers::pi / 180.0;
-  for (const auto& [turn, name] : {std::pair{0.0, "plane along the grid"}, std::pair{30.0, "plane at 30 deg to the grid"}}) {
+  for (const auto& [turn, name] :
+       {std::pair{0.0, "plane along the grid"}, std::pair{30.0, "plane at 30 deg to the grid"}}) {
     for (const auto& [slope, friction] : {std::pair{30.0, 0.3}, std::pair{45.0, 0.3}}) {
       const double exact = 0.5 * 9.81 * (std::sin(slope * degree) - friction * std::cos(slope * degree));
       const double reached = way(slope * degree, friction, turn * degree, 1.0);
       EXPECT_NEAR(reached, exact, 0.01 * exact) << name << ", slope " << slope;
-      record({"Block on an incline (V32)", fmt::format("way after 1 s, slope {} deg, mu = {}, {} [m]", slope, friction, name),
-              reached, fmt::format("{:.5f}", exact), "1 %", "g (sin - mu cos) t^2 / 2"});
+      record({"Block on an incline (V32)",
+              fmt::format("way after 1 s, slope {} deg, mu = {}, {} [m]", slope, friction, name), reached,
+              fmt::format("{:.5f}", exact), "1 %", "g (sin - mu cos) t^2 / 2"});
     }
     const double drift = way(30.0 * degree, 0.6, turn * degree, 1.0);
     // The block was tied before: its elastic shear under its own weight is there already.
@@ -191,6 +195,65 @@ transfer = "blend"
   EXPECT_NEAR(at_slip, expected, 0.03 * expected);
   record({"Contact on the grid", "time at which a pushed block has slid 2 cm, mu = 0.5 [s]", at_slip,
           fmt::format("{:.3f}", expected), "3 %", "a = mu g, then a - mu g"});
+}
+
+// ---- a wedge that slides on another between smooth planes
+
+std::string wedges(const std::string& grid, const std::string& shape_of_lower, const std::string& shape_of_upper) {
+  return grid + R"toml(
+[material.rock]
+law = "linear_elastic"
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.2
+density = 1000
+[body.lower]
+material = "rock"
+)toml" + shape_of_lower +
+         R"toml(
+[body.upper]
+material = "rock"
+)toml" + shape_of_upper +
+         R"toml(
+[contact.between]
+body = "upper"
+other = "lower"
+kind = "friction"
+friction = 0.1
+[steps]
+analysis = "dynamic"
+duration = 0.4
+count = 40
+)toml";
+}
+
+/// Planes of symmetry end both bodies, but are no surface of one against the other.
+TEST(Wedges, SlideBetweenSmoothPlanesAsInThePlane) {
+  const std::string lower = "[[0.0, 0.0], [2.0, 0.0], [2.0, 0.4], [0.0, 0.9]]",
+                    upper = "[[0.3, 0.825], [1.2, 0.6], [1.2, 1.3], [0.3, 1.3]]";
+  Model plane(wedges(R"toml(
+model.plane = "strain"
+model.gravity = [0.0, -10.0]
+grid = { origin = [-0.25, 0.0], cell_size = 0.25, cells = [10, 6] }
+boundary.base = { where.box.max = [10.0, 1e-6], ux = 0.0, uy = 0.0 })toml",
+                     "shape.polygon = " + lower, "shape.polygon = " + upper));
+  Model solid(wedges(R"toml(
+model.dimension = 3
+model.gravity = [0.0, -10.0, 0.0]
+grid = { kind = "hexahedra", origin = [-0.25, 0.0, 0.0], cell_size = 0.25, cells = [10, 6, 2] }
+boundary.base = { where.box.max = [10.0, 1e-6, 10.0], ux = 0.0, uy = 0.0 }
+boundary.front = { where.box.max = [10.0, 10.0, 1e-6], uz = 0.0 }
+boundary.back = { where.box.min = [-10.0, -10.0, 0.499999], uz = 0.0 })toml",
+                     "shape.extrusion = { polygon = " + lower + ", from = 0.0, to = 0.5 }",
+                     "shape.extrusion = { polygon = " + upper + ", from = 0.0, to = 0.5 }"));
+  const Vec3 start = motion_of(plane, 1).centre;
+  ASSERT_TRUE(plane.run());
+  ASSERT_TRUE(solid.run());
+  const Vec3 a = motion_of(plane, 1).centre - start, b = motion_of(solid, 1).centre - Vec3(start.x(), start.y(), 0.25);
+  EXPECT_GT(a.x(), 0.05);  // g sin (cos - mu sin..) t^2 / 2 = 0.11 m along the slope
+  EXPECT_LT((a - b).norm(), 1e-3 * a.norm());
+  record({"Contact on the grid",
+          "wedge that slides between smooth planes: distance from that of the plane model, over its way",
+          (a - b).norm() / a.norm(), "0", "1e-3", "plane strain"});
 }
 
 // ---- V34: two discs collide
