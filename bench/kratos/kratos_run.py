@@ -3,7 +3,7 @@
     python kratos_run.py ProjectParameters.json RESULT.json FRAMES
 
 FRAMES points of time, evenly spaced, get the positions of all material points, in the order of Kratos. The seconds are
-those of the steps alone: import, reading, set-up and the taking of positions are not in them.
+the processor's, of the steps alone: import, reading, set-up and the taking of positions are not in them.
 """
 
 import json
@@ -32,14 +32,14 @@ class Analysis(MpmAnalysis):
         result = {"points": part.NumberOfElements(), "start": read(part, mpm.MP_COORD), "frames": []}
         seconds, iterations, failed, dofs = [], [], 0, 0
         for step in range(1, steps + 1):
-            start = time.perf_counter()
+            start = time.process_time()
             self.time = solver.AdvanceInTime(self.time)
             self.InitializeSolutionStep()
             solver.Predict()
             converged = solver.SolveSolutionStep()
             dofs = max(dofs, solver._GetBuilderAndSolver().GetEquationSystemSize())
             self.FinalizeSolutionStep()
-            seconds.append(time.perf_counter() - start)
+            seconds.append(time.process_time() - start)
             iterations.append(part.ProcessInfo[kratos.NL_ITERATION_NUMBER])
             failed += not converged
             if step * frames // steps > (step - 1) * frames // steps:
