@@ -1,6 +1,7 @@
 #include "bc/grid_contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace berm {
 
@@ -57,6 +58,21 @@ void GridContact::freeze(const NodalVector& du) {
     t.status = f.status;
     t.shear = f.shear;
   }
+}
+
+double GridContact::violation(const Discretisation& d, const NodalVector& du) const {
+  if (contacts_.empty()) return 0.0;
+  double off = 0.0, size = 0.0;
+  for (Touch t : touches_) {
+    const Vec3 relative = du[t.at->a] - du[t.at->b], force = force_at(t, relative).force;
+    t.status = Status::undecided;
+    const Vec3 law = force_at(t, relative).force;
+    off += (force - law).squaredNorm();
+    size += law.squaredNorm();
+  }
+  off = d.comm().sum(off);
+  size = d.comm().sum(size);
+  return off == 0.0 ? 0.0 : std::sqrt(off / std::max(size, 1e-12 * off));
 }
 
 void GridContact::add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f,

@@ -24,6 +24,8 @@ public:
   void begin_step(const Discretisation& d);
   /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
   void freeze(const NodalVector& du);
+  /// How far the forces at du are from those of a contact that is not frozen, over the latter [-]. Collective.
+  double violation(const Discretisation& d, const NodalVector& du) const;
   /// Forces that resist du, of the interfaces that this process owns, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const;
   /// Work that the forces take over the step, of this process: friction, and the little that the penalty stores [J].

@@ -509,9 +509,9 @@ THROWN = """
 plane = "strain"
 gravity = [0.0, "t < 0.1 ? -98.1*t : -9.81"]
 [grid]
-origin = [-0.3, -1.0]
+origin = [-0.3, -5.0]
 cell_size = 0.1
-cells = [24, 20]
+cells = [50, 70]
 [material.rock]
 law = "linear_elastic"
 density = 2000.0

@@ -89,6 +89,36 @@ without change of volume: they find an equilibrium far beyond the true factor (t
     "Oblique crack": """A notched plate, 150 x 100 mm, Rankine, cells of 5 mm, IMPL-EX, pulled apart on grids turned against it (tests/verify/oblique_crack.cpp). The crack-band length of a
 cell is the root of its area whatever the direction of the crack. Along a row of cells that is exact; a crack across the rows damages a band wider than one cell and dissipates
 more than the fracture energy, which is the known bias of local damage on a grid. Results with cracks at an angle to the grid are too tough by the figures below.""",
+    "Free fall of a block (V5)": """0.4 x 0.4 m, E = 1 MPa, 1000 kg/m3, thrown sideways at 2 m/s, one second in 100 steps, lumped mass, each way to take the points' velocity from the grid; and the same block at rest
+on a support under its weight, which then lets go (tests/verify/motion.cpp). A motion that starts without the acceleration of its first instant is late by half a step for good.""",
+    "Vibrating bar (V7)": """Length 25 m, E = 100 Pa, 1 kg/m3, nu = 0, clamped at one end, first mode with 0.1 m/s at the tip: period 10 s (tests/verify/motion.cpp; the problem of Sulsky, Chen and Schreyer 1994 and
+Bardenhagen 2002). One row of 25 cells of 1 m, Newmark without numerical damping unless said otherwise; the period is taken from the zeros of the mean velocity, the energy is kinetic and stored.""",
+    "Turning disc (V4)": """Free elastic disc, R = 1 m, E = 1 MPa, 1000 kg/m3, 1 rad/s, cells of 0.1 m, 400 steps a turn (tests/verify/motion.cpp). The angular momentum is that of the points' velocities. PIC loses it by
+smoothing the velocity in every step and is reported only.""",
+    "Koyna dam (V18)": """Height 103 m, base 70 m, E = 31.027 GPa, nu = 0.2, 2643 kg/m3, plane stress, small strain, base held (tests/verify/koyna.cpp). The crest is kicked, and the frequencies are the largest Fourier
+components of its motion over 8 s in 3200 steps, corrected for Newmark's elongation of the period. "Should be" is a converged finite-element computation.""",
+    "Coulomb friction": """A block, 1 x 0.5 m, 2000 kg/m3, E = 10 MPa, cells of 0.125 m, on a rigid plane with mu = 0.4, along the grid or turned by 20 degrees against it (tests/verify/friction.cpp): pushed
+by 2 mm by a stamp, and under gravity that turns until there is no equilibrium. Relative errors.""",
+    "Inclined slip boundary": """A block, 1 x 2 m, 20 kN/m3, E = 10 MPa, nu = 0.3, small strain, under its weight between rollers, one of which moves by 1 mm; block, rollers and grid are turned (tests/verify/inclined.cpp).
+Relative errors.""",
+    "Rankine's earth pressure (V28)": """A smooth rigid wall of 4 m before a cohesionless backfill that has its weight first; then the wall gives way or pushes (tests/verify/rankine.cpp).""",
+    "Triangular gravity dam (V16)": """Height 100 m, downstream slope 0.8, full water, E = 30 GPa, nu = 0.2, plane strain, small strain; the stresses of the exact solution are linear, and the base is moved as it says
+(tests/verify/gravity_dam.cpp). In MPM both faces cut the cells. L2 errors, orders over the grids named.""",
+    "Block on an incline (V32)": """1 x 1 m, E = 10 MPa, 1000 kg/m3, cells of 0.25 m, on a rigid plane along the grid or turned by 30 degrees against it; gravity is inclined against the plane (tests/verify/sliding.cpp). The weight is
+put on while the block is tied to the plane, then friction takes over. What is reported as drift at mu = 0.6 is mostly elastic: the shear of the block under its own weight.""",
+    "Contact on the grid": """Two deformable bodies, each with its own field of displacement on the grid: a block of 1 m on one of 3 m, E = 10 MPa, 1000 kg/m3, 10 m/s2, mu = 0.5, cells of 0.25 m (tests/verify/sliding.cpp).
+The weight is quasi-static; then the upper block is pushed with a force that grows with time.""",
+    "Colliding discs (V34)": """R = 0.2 m, E = 1000 Pa, nu = 0.3, 1000 kg/m3, towards each other on a diagonal with 0.1 m/s in each direction, cells of 0.05 m, frictionless contact (tests/verify/sliding.cpp; the problem of
+Sulsky, Chen and Schreyer 1994). The gap is taken from the outermost points, so that contact does not begin where the circles are still a cell apart.""",
+    "Dam break (V36)": """A column of water, a = 57.15 mm wide and 2 a high, let go at once on a frictionless floor; 12 cells over the width, sound at 20 m/s, APIC, 0.5 ms a step (tests/verify/flow.cpp; examples/13_dam_break_water
+has a finer grid and the whole curve). Front: the third point from the right; height: the highest point within a tenth of a of the wall.""",
+    "Water in a tank (V36)": """0.6 x 1 m, bulk modulus 2 MPa, viscosity 1e-3 Pa s, 10 m/s2 within 0.5 s under damping, then 5 s without, cells of 0.1 m (tests/verify/flow.cpp).""",
+    "Column of aluminium bars (V26)": """0.2 x 0.1 m, Mohr-Coulomb with 19.8 degrees, no cohesion, no dilatancy, E = 0.84 MPa, 2650 kg/m3, rough floor, gate removed at once, F-bar, cells of 10 mm (tests/verify/flow.cpp;
+examples/10_granular_column has finer ones).""",
+    "Column of sand (V27)": """5 cm wide, 31 degrees, no cohesion, no dilatancy, rough floor, F-bar, cells of 5 mm (tests/verify/flow.cpp; examples/10_granular_column has more aspect ratios a). Run-out over width: 1.2 a
+(a < 1.8) and 1.9 a^(2/3) (a > 2.8) by Lube et al., 1.8 a (a < 3) and 2.3 a^(2/3) by Lajeunesse et al.: the two are the bounds in "should be".""",
+    "Absorbing boundary": """A bar of 10 m, E = 10 kPa, 100 kg/m3, nu = 0, waves of 10 m/s, a Gaussian pulse of velocity in its middle, dashpots (Lysmer and Kuhlemeyer 1969) at both ends, cells of 0.1 m, 1.5 s in 600 steps
+(tests/verify/flow.cpp). Half of the pulse runs to each end.""",
 }
 
 TAIL = """
