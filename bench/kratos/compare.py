@@ -1,33 +1,37 @@
 #!/usr/bin/python3
 """berm and Kratos MPM side by side: a column collapses under its weight. Same grid, points, law, step and mass matrix.
 
-    bench/kratos/compare.py --berm build/release/berm --kratos /tmp/kratos_venv/bin/python --out out/kratos
+    bench/kratos/compare.py --berm build/bench/bench/steps --kratos VENV/bin/python --out out/kratos
 
-Prints, for every case, what a Newton iteration takes in each, and how far their points are from each other. Kratos is
-needed for nothing else; how to get it: bench/README.md.
+Prints what a Newton iteration takes in each, with two linear solvers each, and how far their points are from each other.
+Kratos is needed for nothing else; how to get it, and what is compared: bench/README.md.
 """
 
 import argparse
 import json
 import os
-import resource
 import subprocess
-import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "python"))
-import kratos_case  # noqa: E402
-from berm.results import Run  # noqa: E402
+import kratos_case
 
 FRAMES = 4
-# Kratos's own default first (conjugate gradients with algebraic multigrid), then the direct one of its wheel (Eigen).
-SOLVERS = {
-    "multigrid": {"solver_type": "amgcl", "smoother_type": "damped_jacobi", "krylov_type": "cg",
-                  "coarsening_type": "aggregation", "max_iteration": 200, "tolerance": 1e-7, "coarse_enough": 50},
-    "direct": {"solver_type": "LinearSolversApplication.sparse_lu"},
+LINEAR_TOLERANCE = 1e-7  # Kratos's default
+# Lines of berm's [solver]. The first is what it takes of itself in the plane.
+BERM_SOLVERS = {
+    "direct (MUMPS)": "",
+    "GMRES, ILU(0)": f'linear = "iterative"\nlinear_tolerance = {LINEAR_TOLERANCE}\npetsc = "-pc_type ilu"\n',
+}
+# Kratos's own default first, then the direct one of its wheel (Eigen). Others of amgcl (ILU(0) or SPAI(0) as smoothers or
+# alone, with BiCGStab) were tried at 10 000 unknowns: none was faster than the first.
+KRATOS_SOLVERS = {
+    "CG, multigrid (amgcl)": {
+        "solver_type": "amgcl", "smoother_type": "damped_jacobi", "krylov_type": "cg", "coarsening_type": "aggregation",
+        "max_iteration": 200, "tolerance": LINEAR_TOLERANCE, "coarse_enough": 50},
+    "direct (Eigen)": {"solver_type": "LinearSolversApplication.sparse_lu"},
 }
 ONE_THREAD = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
@@ -37,11 +41,11 @@ class Case:
     """Column of aluminium bars (Bui et al. 2008), with a little cohesion, or the same column of soft rubber."""
 
     law: str
-    h: float
-    dt: float
+    youngs_modulus: float
+    cells_high: int
     steps: int
     tolerance: float
-    youngs_modulus: float
+    dt: float = 5e-4
     poisson_ratio: float = 0.3
     density: float = 2650.0
     cohesion: float = 10.0
@@ -50,15 +54,26 @@ class Case:
     height: float = 0.1
 
     @property
+    def h(self):
+        return self.height / self.cells_high
+
+    @property
     def cells(self):
-        return round(0.4 / self.h), round(0.12 / self.h)
+        return 4 * self.cells_high, round(1.2 * self.cells_high)
 
     @property
     def name(self):
-        return f"{self.law}_{1e3 * self.h:g}mm_{1e3 * self.dt:g}ms"
+        return f"{self.law} {2 * self.cells_high} x {self.cells_high}"
 
 
-def berm_case(c):
+def cases(tolerance, only):
+    sizes = {15: 200, 50: 40, 100: 10}  # cells in the height: steps
+    laws = {"neo_hookean": 2e4, "mohr_coulomb": 0.84e6}
+    every = [Case(law, E, n, steps, tolerance) for law, E in laws.items() for n, steps in sizes.items()]
+    return [c for c in every if only in c.name]
+
+
+def berm_case(c, solver):
     strength = (f"cohesion = {c.cohesion}\nfriction_angle = {c.friction_angle}\ndilatancy_angle = 0.0\n"
                 if c.law == "mohr_coulomb" else "")
     return f"""title = "Column, as in Kratos"
@@ -92,150 +107,112 @@ adaptive = false
 [solver]
 relative_tolerance = {c.tolerance}
 ghost_penalty = 0.0
-[dynamics]
+{solver}[dynamics]
 integrator = "newmark"
 mass = "lumped"
 transfer = "flip"
-[output]
-frames = {FRAMES}
-[checkpoint]
-every_minutes = 0
 """
 
 
-@dataclass
 class Result:
-    dofs: int
-    points: int
-    iterations: int
-    seconds: float
-    failed: int  # steps without convergence, or cut
-    start: np.ndarray
-    frames: dict  # time: position of the points, in the order of `start`
+    """What both programs write, points in the order of their places at the start."""
+
+    def __init__(self, file):
+        r = json.loads(file.read_text())
+        if r.get("lost"):
+            raise SystemExit(f"{r['lost']} points are lost: nothing to compare ({file})")
+        start = np.array(r["start"])
+        order = np.lexsort(np.round(start, 9).T)
+        self.start = start[order]
+        self.frames = [(f["time"], np.array(f["position"])[order]) for f in r["frames"]]
+        self.dofs, self.points, self.failed = r["dofs"], r["points"], r.get("not_converged", 0)
+        self.iterations, self.seconds = sum(r["iterations"]), sum(r["seconds"])
+        self.phases = r.get("phases")
 
     @property
     def per_iteration(self):
         return self.seconds / self.iterations
 
 
-def in_order(start, *others):
-    """Sorted by place at the start, so that the points of both programs stand in the same row."""
-    order = np.lexsort(np.round(start, 9).T)
-    return [a[order] for a in (start, *others)]
-
-
-def children_seconds():
-    """Of the processor, by all ended programs that this one started: others at work on the machine are not in it."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
-def run_berm(program, folder, c):
-    """Its seconds are the processor's, of the whole run: set-up and output are in them."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "column.toml").write_text(berm_case(c))
-    command = [program, "run", folder / "column.toml", "--out", folder / "out"]
-    before = children_seconds()
+def run(command, folder):
     with open(folder / "terminal.txt", "w") as log:
-        subprocess.run(command, env=ONE_THREAD, check=True, stdout=log, stderr=subprocess.STDOUT)
-    seconds = children_seconds() - before
-    run = Run(str(folder / "out"))
-    s = run.summary
-    frames = {}
-    for index in range(len(run.frames)):
-        data = run.frame(index)
-        now = data["position"][:, :2]
-        start, frames[data["time"]] = in_order(now - data["displacement"][:, :2], now)
-    return Result(s["dofs"], s["points"], s["newton_iterations"], seconds, s["cut_steps"], start, frames)
+        subprocess.run([*command, "result.json", str(FRAMES)], cwd=folder, env=ONE_THREAD, check=True, stdout=log,
+                       stderr=subprocess.STDOUT)
+    return Result(folder / "result.json")
+
+
+def run_berm(program, folder, c, solver):
+    (folder / "column.toml").write_text(berm_case(c, solver))
+    return run([program, "column.toml"], folder)
 
 
 def run_kratos(python, folder, c, solver):
-    """Its seconds are the processor's, of the steps alone."""
-    folder.mkdir(parents=True, exist_ok=True)
     kratos_case.write(folder, c, solver)
-    script = Path(__file__).resolve().parent / "kratos_run.py"
-    command = [python, script, "ProjectParameters.json", "result.json", str(FRAMES)]
-    with open(folder / "terminal.txt", "w") as log:
-        subprocess.run(command, cwd=folder, env=ONE_THREAD, check=True, stdout=log, stderr=subprocess.STDOUT)
-    r = json.loads((folder / "result.json").read_text())
-    if r["lost"]:
-        raise SystemExit(f"Kratos lost {r['lost']} points: nothing to compare ({folder})")
-    start = np.array(r["start"])
-    frames = {f["time"]: in_order(start, np.array(f["position"]))[1] for f in r["frames"]}
-    return Result(r["dofs"], r["points"], sum(r["iterations"]), sum(r["seconds"]), r["not_converged"],
-                  in_order(start)[0], frames)
+    return run([python, Path(__file__).resolve().parent / "kratos_run.py", "ProjectParameters.json"], folder)
 
 
-def difference(a, b):
-    """Of two results at the times they share: rows of time, fronts, mean displacement, distance of the points."""
+def measure(arguments, c):
+    """The quickest run of every program and solver; in turns, so that a noisy machine troubles all alike."""
+    jobs = {f"berm, {name}": (run_berm, arguments.berm, s) for name, s in BERM_SOLVERS.items()}
+    jobs |= {f"Kratos, {name}": (run_kratos, arguments.kratos, s) for name, s in KRATOS_SOLVERS.items()}
+    best = {}
+    for turn in range(arguments.repeat):
+        for number, (name, (job, program, solver)) in enumerate(jobs.items()):
+            folder = arguments.out / c.name.replace(" ", "_") / f"{number}_{turn}"
+            folder.mkdir(parents=True, exist_ok=True)
+            result = job(program, folder, c, solver)
+            if name not in best or result.seconds < best[name].seconds:
+                best[name] = result
+    return best
+
+
+def speed_rows(c, results):
+    berm = min((r for name, r in results.items() if name.startswith("berm")), key=lambda r: r.per_iteration)
+    for name, r in results.items():
+        ratio = ("" if name.startswith("berm") else
+                 f"{r.per_iteration / berm.per_iteration:.1f} | {r.seconds / berm.seconds:.1f}")
+        failed = f" ({r.failed} steps failed)" if r.failed else ""
+        yield (f"| {c.name} | {name} | {r.dofs} | {r.points} | {c.steps} | {r.iterations}{failed} | "
+               f"{1e3 * r.per_iteration:.2f} | {ratio or ' | '} |")
+
+
+def accuracy_rows(c, a, b):
+    """Of berm and Kratos, both with their direct solvers."""
     if a.start.shape != b.start.shape or np.abs(a.start - b.start).max() > 1e-8:
         raise SystemExit("the points do not start at the same places")
-    rows = []
-    for time, x in sorted(a.frames.items()):
-        match = [y for t, y in b.frames.items() if abs(t - time) < 1e-9]
-        if time == 0.0 or not match:
-            continue
-        y = match[0]
-        move = np.linalg.norm(x - a.start, axis=1)
-        apart = np.linalg.norm(x - y, axis=1)
-        rows.append((time, x[:, 0].max(), y[:, 0].max(), move.mean(), apart.mean(), apart.max()))
-    return rows
-
-
-def least(runs):
-    """The quickest of several runs, which differ in time alone."""
-    return min(runs, key=lambda r: r.seconds)
-
-
-def compare(arguments, c):
-    folder = arguments.out / c.name
-    berm, kratos = [], {name: [] for name in SOLVERS}
-    for turn in range(arguments.repeat):  # in turns, so that a noisy machine troubles both
-        berm.append(run_berm(arguments.berm, folder / f"berm_{turn}", c))
-        for name, solver in SOLVERS.items():
-            kratos[name].append(run_kratos(arguments.kratos, folder / f"kratos_{name}_{turn}", c, solver))
-    return least(berm), {name: least(runs) for name, runs in kratos.items()}
-
-
-def cases(arguments):
-    bars = Case("mohr_coulomb", 0.004, 5e-4, 200, arguments.tolerance, 0.84e6)
-    rubber = Case("neo_hookean", 0.004, 5e-4, 200, arguments.tolerance, 2e4)
-    both = [bars, replace(bars, dt=2.5e-4, steps=400), rubber]
-    if arguments.fine:
-        both += [replace(bars, h=0.002, dt=2.5e-4, steps=200), replace(rubber, h=0.002, dt=2.5e-4, steps=200)]
-    return [c for c in both if arguments.only in c.name]
+    for (time, x), (other, y) in zip(a.frames, b.frames):
+        if abs(time - other) > 1e-9:
+            raise SystemExit("the points are not of the same times")
+        path, apart = np.linalg.norm(x - a.start, axis=1), np.linalg.norm(x - y, axis=1)
+        yield (f"| {c.name} | {time:.3f} | {1e3 * path.mean():.4f} | {1e3 * apart.mean():.5f} | {1e3 * apart.max():.5f} | "
+               f"{100 * apart.mean() / path.mean():.2f} % |")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--berm", type=Path, required=True, help="the program, from preset release")
+    parser.add_argument("--berm", type=Path, required=True, help="the program `steps` of preset bench")
     parser.add_argument("--kratos", type=Path, required=True, help="the Python that has KratosMPMApplication")
-    parser.add_argument("--out", type=Path, default=Path("out/kratos"))
+    parser.add_argument("--out", type=Path, default=Path("out/kratos"), help="folder of the runs and of table.md")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="relative, of the residual, in both")
-    parser.add_argument("--repeat", type=int, default=2, help="runs of each, of which the quickest counts")
-    parser.add_argument("--fine", action="store_true", help="cells of 2 mm too")
-    parser.add_argument("--only", default="", help="cases with this in their name")
+    parser.add_argument("--repeat", type=int, default=1, help="runs of each, of which the quickest counts")
+    parser.add_argument("--only", default="", help='cases with this in their name, as "neo_hookean" or "30 x 15"')
     arguments = parser.parse_args()
     arguments.berm, arguments.kratos = arguments.berm.resolve(), arguments.kratos.absolute()
     arguments.out = arguments.out.resolve()
 
-    speed = ["| case | program | dofs | points | steps | failed | iterations | s an iteration | berm is faster by |",
+    speed = ["| law, cells | program | dofs | points | steps | iterations | ms an iteration | times berm's best | whole run |",
              "|---|---|---|---|---|---|---|---|---|"]
-    accuracy = ["| case | time [s] | front, berm [m] | front, Kratos [m] | mean path [mm] | mean distance [mm] | largest [mm] |",
-                "|---|---|---|---|---|---|---|"]
-    for c in cases(arguments):
-        berm, kratos = compare(arguments, c)
-        for name, r in {"berm": berm, **{f"Kratos, {s}": r for s, r in kratos.items()}}.items():
-            ratio = "" if r is berm else f"{r.per_iteration / berm.per_iteration:.1f} (run: {r.seconds / berm.seconds:.1f})"
-            speed.append(f"| {c.name} | {name} | {r.dofs} | {r.points} | {c.steps} | {r.failed} | {r.iterations} | "
-                         f"{r.per_iteration:.4f} | {ratio} |")
-        for t, xb, xk, path, mean, largest in difference(berm, kratos["direct"]):
-            accuracy.append(f"| {c.name} | {t:.4f} | {xb:.5f} | {xk:.5f} | {1e3 * path:.3f} | {1e3 * mean:.4f} | "
-                            f"{1e3 * largest:.4f} |")
-        print(speed[-1], flush=True)
+    accuracy = ["| law, cells | time [s] | mean path [mm] | mean distance [mm] | largest [mm] | mean distance / path |",
+                "|---|---|---|---|---|---|"]
+    print(speed[0], flush=True)
+    for c in cases(arguments.tolerance, arguments.only):
+        results = measure(arguments, c)
+        speed += speed_rows(c, results)
+        accuracy += accuracy_rows(c, results["berm, direct (MUMPS)"], results["Kratos, direct (Eigen)"])
+        print("\n".join(speed[-len(results):]), flush=True)
     table = "\n".join([*speed, "", *accuracy, ""])
     (arguments.out / "table.md").write_text(table)
-    print(table)
+    print("\n" + table)
 
 
 if __name__ == "__main__":
