@@ -1,9 +1,10 @@
-/// Takes the steps of a case without output on the way: what a step costs, and where its points go. See bench/README.md.
+/// Takes the steps of a case without output on the way: what a step costs, and where its points go. See
+/// bench/README.md.
 ///
 ///     steps CASE.toml RESULT.json FRAMES
 ///
-/// The steps have equal length. FRAMES points of time, evenly spaced, get the positions of all material points. Seconds are
-/// the processor's, of the steps alone; the phases among them are of the clock on the wall.
+/// The steps have equal length. FRAMES points of time, evenly spaced, get the positions of all material points. Seconds
+/// are the processor's, of the steps alone; the phases among them are of the clock on the wall.
 
 #include <fmt/format.h>
 
@@ -60,11 +61,13 @@ int run(const std::string& case_file, const std::string& result_file, int frames
   const berm::StepTimes t = step.times();
   berm::replace_file(
       result_file,
-      fmt::format("{{\"dofs\": {}, \"points\": {}, \"solver\": \"{}\", \"seconds\": {}, \"iterations\": {},\n \"phases\": "
-                  "{{\"connectivity\": {}, \"laws\": {}, \"assembly\": {}, \"linear\": {}}},\n \"start\": {},\n \"frames\": {}}}\n",
-                  step.unknowns(), world->n_points(), step.solver_choice(), numbers(seconds), numbers(iterations),
-                  t.connectivity, t.response, t.assembly, t.linear, start,
-                  listed(taken, [](const std::string& frame) { return frame; })));
+      fmt::format(
+          "{{\"dofs\": {}, \"points\": {}, \"solver\": \"{}\", \"seconds\": {}, \"iterations\": {},\n \"phases\": "
+          "{{\"connectivity\": {}, \"laws\": {}, \"assembly\": {}, \"linear\": {}}},\n \"start\": {},\n \"frames\": "
+          "{}}}\n",
+          step.unknowns(), world->n_points(), step.solver_choice(), numbers(seconds), numbers(iterations),
+          t.connectivity, t.response, t.assembly, t.linear, start,
+          listed(taken, [](const std::string& frame) { return frame; })));
   return 0;
 }
 

@@ -3,8 +3,8 @@
 
     bench/kratos/compare.py --berm build/bench/bench/steps --kratos VENV/bin/python --out out/kratos
 
-Prints what a Newton iteration takes in each, with two linear solvers each, and how far their points are from each other.
-Kratos is needed for nothing else; how to get it, and what is compared: bench/README.md.
+Prints what a Newton iteration takes in each, with two linear solvers each, and how far apart their points are. Kratos is
+needed for nothing else; how to get it, and what is compared: bench/README.md.
 """
 
 import argparse
@@ -186,8 +186,8 @@ def accuracy_rows(c, a, b):
         if abs(time - other) > 1e-9:
             raise SystemExit("the points are not of the same times")
         path, apart = np.linalg.norm(x - a.start, axis=1), np.linalg.norm(x - y, axis=1)
-        yield (f"| {c.name} | {time:.4f} | {1e3 * path.mean():.4f} | {1e6 * apart.mean():.3g} | {1e6 * apart.max():.3g} | "
-               f"{100 * apart.mean() / path.mean():.2g} % |")
+        yield (f"| {c.name} | {time:.4f} | {1e3 * path.mean():.4f} | {1e6 * apart.mean():.3g} | "
+               f"{1e6 * apart.max():.3g} | {100 * apart.mean() / path.mean():.2g} % |")
 
 
 def main():
@@ -202,7 +202,8 @@ def main():
     arguments.berm, arguments.kratos = arguments.berm.resolve(), arguments.kratos.absolute()
     arguments.out = arguments.out.resolve()
 
-    speed = ["| law, cells | program | dofs | points | steps | iterations | ms an iteration | times berm's best | whole run |",
+    speed = ["| law, cells | program | dofs | points | steps | iterations | ms an iteration | times berm's best | "
+             "whole run |",
              "|---|---|---|---|---|---|---|---|---|"]
     accuracy = ["| law, cells | time [s] | mean path [mm] | mean distance [µm] | largest [µm] | mean distance / path |",
                 "|---|---|---|---|---|---|"]

@@ -144,8 +144,8 @@ struct MohrCoulomb : YieldingElastic {
     return std::max((1.0 + sin_phi) * s[0] - (1.0 - sin_phi) * s[2] - limit, s[0] - tensile_strength);
   }
 
-  /// Return of the sorted trial stress to the surface of that strength and these planes. Without a cut-off, the apex takes
-  /// what neither the plane nor one of the two edges does.
+  /// Return of the sorted trial stress to the surface of that strength and these planes. Without a cut-off, the apex
+  /// takes what neither the plane nor one of the two edges does.
   Returned return_to(const Strength& y, const Planes& p, const Mat3& c, const Vec3& trial, bool derivatives) const {
     const bool cut = cut_off(y);
     const double rounding = 1e-15 * trial.cwiseAbs().maxCoeff();

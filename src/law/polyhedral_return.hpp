@@ -75,9 +75,7 @@ PolyhedralReturn return_to_planes(const std::array<YieldPlane, N>& planes, std::
 template <std::size_t N>
 PolyhedralReturn return_to_set(const std::array<YieldPlane, N>& planes, std::size_t n_planes, const ActiveSet& set,
                                const Mat3& c, const Vec3& trial, bool derivatives) {
-  const auto with = [&]<int n>() {
-    return return_to_planes<n>(planes, n_planes, set.plane, c, trial, derivatives);
-  };
+  const auto with = [&]<int n>() { return return_to_planes<n>(planes, n_planes, set.plane, c, trial, derivatives); };
   return set.n == 1   ? with.template operator()<1>()
          : set.n == 2 ? with.template operator()<2>()
                       : with.template operator()<3>();
