@@ -138,15 +138,20 @@ struct MohrCoulomb : YieldingElastic {
     return p;
   }
 
-  /// Return of the sorted trial stress to the surface of that strength. Without a cut-off, the apex takes what neither
-  /// the plane nor one of the two edges does.
-  Returned return_to(const Strength& y, const Mat3& c, const Vec3& trial) const {
-    const Planes p = planes(y);
+  /// Of the sorted stress over the planes mc13 and cut1, which no other plane exceeds: most points are elastic.
+  double largest_excess(const Strength& y, const Vec3& s) const {
+    const double sin_phi = std::sin(y.phi), limit = 2.0 * y.c * std::cos(y.phi);
+    return std::max((1.0 + sin_phi) * s[0] - (1.0 - sin_phi) * s[2] - limit, s[0] - tensile_strength);
+  }
+
+  /// Return of the sorted trial stress to the surface of that strength and these planes. Without a cut-off, the apex
+  /// takes what neither the plane nor one of the two edges does.
+  Returned return_to(const Strength& y, const Planes& p, const Mat3& c, const Vec3& trial, bool derivatives) const {
     const bool cut = cut_off(y);
     const double rounding = 1e-15 * trial.cwiseAbs().maxCoeff();
     Returned best;
     for (int k = 0; k < (cut ? int(sets.size()) : int(first_cut)); ++k) {
-      const PolyhedralReturn r = return_to_set(p, cut ? n_planes : cut1, sets[k], c, trial);
+      const PolyhedralReturn r = return_to_set(p, cut ? n_planes : cut1, sets[k], c, trial, derivatives);
       if (r.violation < best.violation) best = {r, k};
       if (best.violation <= rounding) return best;
     }
@@ -174,27 +179,29 @@ struct MohrCoulomb : YieldingElastic {
     return Mat3::Constant(c.lambda) + Mat3((2.0 * c.mu * Vec3::Ones()).asDiagonal());
   }
 
-  /// What the principal strains return to. kappa: accumulated plastic strain, old in, new out. False if the iteration
-  /// for it fails.
-  bool return_map(const Vec3& strain, double& kappa, Returned& r) const {
+  /// What the principal strains return to. kappa: accumulated plastic strain, old in, new out. Without `derivatives`
+  /// those of the stress may be missing. False if the iteration for kappa fails.
+  bool return_map(const Vec3& strain, double& kappa, Returned& r, bool derivatives = true) const {
     const Lame lame_constants = lame();
     const Mat3 c = principal_stiffness(lame_constants);
     const Vec3 trial = c * strain;
-    const Planes p = planes(strength(kappa));
     // What the rounding of a stress on the surface amounts to, when Hooke's law makes it from the strain again.
     const double rounding = 2e-14 * 3.0 * lame_constants.bulk() * strain.cwiseAbs().maxCoeff();
     r.region = elastic;
-    if (p[mc13].excess(trial) <= rounding && p[cut1].excess(trial) <= rounding) return true;
-    return solve_softening(strain, c, trial, kappa, r);
+    const Strength y = strength(kappa);
+    if (largest_excess(y, trial) <= rounding) return true;
+    return solve_softening(strain, c, trial, planes(y), derivatives || softens(), kappa, r);
   }
 
-  /// kappa = old + |plastic strain of the step|(kappa), eqs. (28) and (29): Newton's method between brackets.
-  bool solve_softening(const Vec3& strain, const Mat3& c, const Vec3& trial, double& kappa, Returned& r) const {
+  /// kappa = old + |plastic strain of the step|(kappa), eqs. (28) and (29): Newton's method between brackets. p: the
+  /// planes at old.
+  bool solve_softening(const Vec3& strain, const Mat3& c, const Vec3& trial, Planes p, bool derivatives, double& kappa,
+                       Returned& r) const {
     constexpr int max_iterations = 100, newton_iterations = 30;
     const double old = kappa;
     double low = old, high = infinity;
     for (int i = 0; i < max_iterations; ++i) {
-      r = return_to(strength(kappa), c, trial);
+      r = return_to(strength(kappa), p, c, trial, derivatives);
       const Vec3 flow = strain - compliance(r.stress);
       const double amount = plastic_measure(flow), gap = old + amount - kappa;
       if (!softens() || std::abs(gap) <= 1e-14 * (old + amount)) {
@@ -208,6 +215,7 @@ struct MohrCoulomb : YieldingElastic {
       if (!trusted) next = std::isfinite(high) ? 0.5 * (low + high) : old + amount;
       if (next == kappa || next == low || next == high) return true;  // the bracket has no number left inside
       kappa = next;
+      p = planes(strength(kappa));
     }
     return false;
   }
@@ -233,7 +241,7 @@ struct MohrCoulomb : YieldingElastic {
     const SortedPrincipal axes(in.strain);
     double kappa = old_state[accumulated];
     Returned r;
-    if (!return_map(axes.value, kappa, r)) return Status::not_converged;
+    if (!return_map(axes.value, kappa, r, in.want_tangent)) return Status::not_converged;
     new_state[accumulated] = out.plastic_strain = kappa;
     const Lame c = lame();
     if (r.region == elastic) {

@@ -35,43 +35,50 @@ struct PolyhedralReturn {
   bool vertex = false;                                         ///< no stress can change at constant hardening variable
 };
 
-/// The stress on all planes of the set, eqs. (22)-(25). c: elastic stiffness in principal values.
-template <std::size_t N>
-PolyhedralReturn return_to_set(const std::array<YieldPlane, N>& planes, std::size_t n_planes, const ActiveSet& set,
-                               const Mat3& c, const Vec3& trial) {
-  Mat3 a = Mat3::Zero(), b = Mat3::Zero(), a_rate = Mat3::Zero(), b_rate = Mat3::Zero();
-  Vec3 limit = Vec3::Zero(), limit_rate = Vec3::Zero();
-  for (int k = 0; k < set.n; ++k) {
-    const YieldPlane& p = planes[set.plane[k]];
+/// The stress on all n planes of the set, eqs. (22)-(25), and if asked for its derivatives. c: elastic stiffness in
+/// principal values.
+template <int n, std::size_t N>
+PolyhedralReturn return_to_planes(const std::array<YieldPlane, N>& planes, std::size_t n_planes, const int* set,
+                                  const Mat3& c, const Vec3& trial, bool derivatives) {
+  Eigen::Matrix<double, 3, n> a, b;
+  Eigen::Matrix<double, n, 1> limit;
+  for (int k = 0; k < n; ++k) {
+    const YieldPlane& p = planes[set[k]];
     a.col(k) = p.normal;
     b.col(k) = p.flow;
     limit[k] = p.limit;
-    a_rate.col(k) = p.normal_rate;
-    b_rate.col(k) = p.flow_rate;
-    limit_rate[k] = p.limit_rate;
   }
-  const Mat3 cb = c * b;
-  Mat3 m = a.transpose() * cb;
-  const double stiffness = c(0, 0);
-  for (int k = set.n; k < 3; ++k) m(k, k) = stiffness;  // fewer than three planes: the rest of the system is idle
-  const Mat3 inverse = m.inverse();
+  const Eigen::Matrix<double, 3, n> cb = c * b;
+  const Eigen::Matrix<double, n, n> m = a.transpose() * cb, inverse = m.inverse();
 
   PolyhedralReturn r;
-  const Vec3 multiplier = inverse * (a.transpose() * trial - limit);
+  const Eigen::Matrix<double, n, 1> multiplier = inverse * (a.transpose() * trial - limit);
   r.stress = trial - cb * multiplier;
   r.stress -= cb * (inverse * (a.transpose() * r.stress - limit));  // what rounding of a far trial stress left
-  r.violation = -stiffness * multiplier.head(set.n).minCoeff();
-  for (std::size_t k = 0; k < n_planes; ++k) {
-    bool active = false;
-    for (int i = 0; i < set.n; ++i) active = active || set.plane[i] == int(k);
-    if (!active) r.violation = std::max(r.violation, planes[k].excess(r.stress));
+  r.violation = -c(0, 0) * multiplier.minCoeff();
+  for (std::size_t k = 0; k < n_planes; ++k)
+    if (std::find(set, set + n, int(k)) == set + n) r.violation = std::max(r.violation, planes[k].excess(r.stress));
+  r.vertex = n == 3;
+  if (!derivatives) return r;
+  if (!r.vertex) r.by_strain = c - cb * (inverse * (a.transpose() * c));
+  Eigen::Matrix<double, n, 1> excess_rate;
+  Vec3 flow_rate = Vec3::Zero();
+  for (int k = 0; k < n; ++k) {
+    const YieldPlane& p = planes[set[k]];
+    excess_rate[k] = p.normal_rate.dot(r.stress) - p.limit_rate;
+    flow_rate += multiplier[k] * (c * p.flow_rate);
   }
-  r.vertex = set.n == 3;
-  if (!r.vertex) r.by_strain = c - cb * inverse * (a.transpose() * c);
-  const Vec3 flow_rate = c * (b_rate * multiplier);
-  const Vec3 rate = inverse * (a_rate.transpose() * r.stress - limit_rate - a.transpose() * flow_rate);
-  r.by_hardening = -cb * rate - flow_rate;
+  r.by_hardening = -cb * (inverse * (excess_rate - a.transpose() * flow_rate)) - flow_rate;
   return r;
+}
+
+template <std::size_t N>
+PolyhedralReturn return_to_set(const std::array<YieldPlane, N>& planes, std::size_t n_planes, const ActiveSet& set,
+                               const Mat3& c, const Vec3& trial, bool derivatives) {
+  const auto with = [&]<int n>() { return return_to_planes<n>(planes, n_planes, set.plane, c, trial, derivatives); };
+  return set.n == 1   ? with.template operator()<1>()
+         : set.n == 2 ? with.template operator()<2>()
+                      : with.template operator()<3>();
 }
 
 }  // namespace berm
