@@ -34,8 +34,12 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
 }
 
 void BoundaryConditions::begin_stage(const std::string& name) {
+  std::vector<char> held;
+  for (const PinPoint& p : pins_) held.push_back(acts(case_.pins[p.pin].stages));
   stage_ = name;
   connectivity_ = -1;
+  for (std::size_t k = 0; k < pins_.size(); ++k)
+    if (!held[k]) pins_[k].start = pins_[k].anchor.u;  // it holds its place of now
   std::vector<FieldContact> contacts;
   const std::vector<int> field = fields_of_bodies(case_);
   for (const Contact& c : case_.contacts) {
@@ -135,7 +139,7 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
   for (const PinPoint& pin : pins_) {
     if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
-    add_at(pin.anchor, -k * (pin.anchor.u + pin.anchor.stencil.interpolate(du)), k, f, matrix);
+    add_at(pin.anchor, -k * (pin.anchor.u - pin.start + pin.anchor.stencil.interpolate(du)), k, f, matrix);
   }
   for (const LocalInclined& local : local_inclined_) {
     const InclinedNode& node = inclined_[local.index];

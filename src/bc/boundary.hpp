@@ -67,7 +67,7 @@ public:
   /// What supports and rigid bodies do to the material at the increment du, whose nodal residual (complete at owned
   /// nodes) is given. Collective.
   Reactions reactions(const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
-  /// Work of the supports in the step, by the trapezoidal rule [J].   [formulation (21)]
+  /// Work of the supports and rigid bodies of the stage in the step, by the trapezoidal rule [J].   [formulation (21)]
   double support_work(const Reactions& before, const Reactions& now, double t0, double t1) const;
   /// Total force of every pressure at that time on the surface as du has moved it [N]. Collective.
   std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
@@ -84,7 +84,7 @@ public:
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
   /// gauges, 4 inclined boundaries; of all: 5 dashpots.
   static constexpr int n_kinds = 6;
-  static constexpr int row_width = 19;  ///< id, x, u, F, slip
+  static constexpr int row_width = 19;  ///< id, x, u, F, slip (pins: displacement when they began)
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
   void restore(int kind, const std::vector<double>& rows);
@@ -142,6 +142,8 @@ private:
   void travel(std::vector<Point>& points, const Discretisation& d);
   void share_nodes(const Discretisation& d);
   Vec3 rigid_step(int body, double t0, double t1) const;
+  /// Does it touch anything in this stage?
+  bool acts_on_something(int rigid_body) const;
   bool follows(const Pressure& spec) const;
   PressureForce pressure_force(const PressurePoint& point, double time, const NodalVector& du) const;
   /// d(value area)/d(du) by nodes and components, times the value of the shape functions: a block.

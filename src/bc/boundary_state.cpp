@@ -36,7 +36,7 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
   if (kind == 1)
     for (const PressurePoint& p : pressures_) append_row(rows, p.id, p.anchor);
   if (kind == 2)
-    for (const PinPoint& p : pins_) append_row(rows, p.id, p.anchor);
+    for (const PinPoint& p : pins_) append_row(rows, p.id, p.anchor, p.start);
   if (kind == 3 && comm_.is_root())
     for (std::size_t g = 0; g < gauges_.size(); ++g) {
       append_row(rows, static_cast<int>(2 * g), gauges_[g].from);
@@ -62,7 +62,10 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
     if (kind == 1)
       if (PressurePoint* p = point_of(pressures_, id)) restore_anchor(p->anchor, row);
     if (kind == 2)
-      if (PinPoint* p = point_of(pins_, id)) restore_anchor(p->anchor, row);
+      if (PinPoint* p = point_of(pins_, id)) {
+        restore_anchor(p->anchor, row);
+        p->start = Vec3(row[16], row[17], row[18]);
+      }
     if (kind == 3 && id < 2 * static_cast<int>(gauges_.size()))
       restore_anchor(id % 2 == 0 ? gauges_[id / 2].from : gauges_[id / 2].to, row);
     if (kind == 4 && id < static_cast<int>(inclined_.size())) inclined_[id].push = row[16];

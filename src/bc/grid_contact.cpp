@@ -5,6 +5,11 @@
 
 namespace berm {
 
+void GridContact::set(std::vector<FieldContact> contacts) {
+  contacts_ = std::move(contacts);
+  if (contacts_.empty()) carried_.clear();
+}
+
 Vec3 GridContact::carried(const Discretisation& d, const Interface& at) const {
   const auto found = carried_.find({d.halo.ids[at.a], at.field_b});
   return found == carried_.end() ? Vec3(Vec3::Zero()) : found->second;

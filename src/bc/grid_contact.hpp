@@ -16,8 +16,8 @@ struct FieldContact {
 
 class GridContact {
 public:
-  /// Contacts of a stage; forces are kept.
-  void set(std::vector<FieldContact> contacts) { contacts_ = std::move(contacts); }
+  /// Contacts of a stage; forces are kept, unless there is no contact left.
+  void set(std::vector<FieldContact> contacts);
   bool empty() const { return contacts_.empty(); }
 
   /// The interfaces of the coming step. Before the four that follow.

@@ -40,8 +40,12 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
 
 double BoundaryConditions::support_work(const Reactions& before, const Reactions& now, double t0, double t1) const {
   double work = 0.0;
+  for (std::size_t b = 0; b < case_.bodies.size(); ++b)
+    if (case_.bodies[b].rigid && acts_on_something(static_cast<int>(b)))
+      work += 0.5 * (now.rigid[b] + before.rigid[b]).dot(rigid_step(static_cast<int>(b), t0, t1));
   for (std::size_t b = 0; b < case_.boundaries.size(); ++b) {
     const NodeBoundary& spec = case_.boundaries[b];
+    if (!acts(spec.stages)) continue;  // its force at t0 went with the last stage
     const Vec3 mean = 0.5 * (now.boundary[b] + before.boundary[b]);
     if (spec.normal) work += mean.dot(*spec.normal) * (spec.un.at(t1) - spec.un.at(t0));
     if (spec.depends_on_place()) continue;
@@ -51,7 +55,7 @@ double BoundaryConditions::support_work(const Reactions& before, const Reactions
   for (std::size_t k = 0; k < now.node.size(); ++k) {
     const NodeCondition& c = conditions_[k];
     const NodeBoundary& spec = case_.boundaries[c.boundary];
-    if (!spec.depends_on_place()) continue;
+    if (!spec.depends_on_place() || !acts(spec.stages)) continue;
     const TimeFunction& u = *spec.u[c.component];
     const double first = before.node.empty() ? 0.0 : before.node[k];
     work += 0.5 * (now.node[k] + first) * (u.at(t1, c.at) - u.at(t0, c.at));

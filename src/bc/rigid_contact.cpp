@@ -91,12 +91,18 @@ Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
   return motion.at(t1) - motion.at(t0);
 }
 
+bool BoundaryConditions::acts_on_something(int rigid_body) const {
+  for (std::size_t k = 0; k < case_.contacts.size(); ++k)
+    if (rigid_of_contact_[k] == rigid_body && acts(case_.contacts[k].stages)) return true;
+  return false;
+}
+
 /// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip, and with friction what Coulomb's cone
 /// lets through of that.   [boundaries (3), (4), (10), (11)]
 BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
                                                                    double t0, double t1) const {
   const Contact& spec = case_.contacts[point.contact];
-  if (!acts(spec.stages)) return {Vec3::Zero(), Mat3::Zero(), false, point.slip};
+  if (!acts(spec.stages)) return {};  // its slip begins anew
   const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
   const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
   const double k = point.stiffness;

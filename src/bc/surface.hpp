@@ -75,6 +75,7 @@ struct PinPoint {
   Anchor anchor;
   int id = 0, pin = 0;  ///< pin: index into the case's pins
   Vec3 stiffness = Vec3::Zero();  ///< by direction; 0: free [N/m]
+  Vec3 start = Vec3::Zero();      ///< displacement when it began to act [m]
 };
 
 template <>

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -110,6 +111,7 @@ private:
     for (const Pin& pin : c_.pins) refer_body(at("pin", pin.name), "body", pin.body, false);
     for (const Pressure& p : c_.pressures) refer_body(at("pressure", p.name), "body", p.body, false);
     for (const Absorbing& a : c_.absorbing) refer_body(at("absorbing", a.name), "body", a.body, false);
+    check_pairs();
     for (const Contact& contact : c_.contacts) {
       const Scope scope = at("contact", contact.name);
       refer_body(scope, "body", contact.body, false);
@@ -120,6 +122,23 @@ private:
       refer_body(scope, "other", contact.other, false);
       if (c_.method == Method::fem) scope.error("other", "needs a background grid (method \"mpm\")");
     }
+  }
+
+  /// Two contacts of the same two deformable bodies at once would push twice.
+  void check_pairs() const {
+    const auto pair = [](const Contact& c) { return std::minmax(c.body, c.other); };
+    for (std::size_t k = 0; k < c_.contacts.size(); ++k)
+      for (std::size_t i = 0; i < k; ++i) {
+        const Contact &first = c_.contacts[i], &second = c_.contacts[k];
+        if (first.other.empty() || pair(first) != pair(second)) continue;
+        if (first.stages.empty() || second.stages.empty() ||
+            std::find_first_of(first.stages.begin(), first.stages.end(), second.stages.begin(), second.stages.end()) !=
+                first.stages.end())
+          at("contact", second.name)
+              .explain("other",
+                       fmt::format("[contact.{}] is for the same two bodies already; give them different stages",
+                                   first.name));
+      }
   }
 
   void check_control() const {
@@ -248,7 +267,7 @@ private:
       const std::string why =
           fmt::format("material \"{}\" has a law of plasticity, which is always integrated implicitly", m.name);
       for (const Stage& stage : c_.stages) {
-        const Scope scope = solver_of(stage);
+        const Scope scope = part_of(stage, "solver");
         if (stage.solver.integration != Integration::implicit) scope.explain("integration", why);
         if (stage.solver.snap_back == Solver::SnapBack::impl_ex) scope.explain("snap_back", why);
       }
@@ -256,16 +275,69 @@ private:
     }
   }
 
-  Scope solver_of(const Stage& stage) const {
-    if (stage.name.empty()) return at("solver");
-    Node::Entry* solver = at("stage", stage.name).node.find("solver");
-    return {root_.problems, solver->value, "stage." + stage.name + ".solver", solver->value.place};
+  /// "solver" or "dynamics" of a stage.
+  Scope part_of(const Stage& stage, const std::string& key) const {
+    if (stage.name.empty()) return at(key);
+    Node::Entry* part = at("stage", stage.name).node.find(key);
+    return {root_.problems, part->value, "stage." + stage.name + "." + key, part->value.place};
   }
 
   template <class T>
   void check_names_of_stages(const std::string& kind, const std::vector<T>& items) const {
-    for (const T& item : items)
-      for (const std::string& name : item.stages) refer(at(kind, item.name), "stages", name, "stage", names_of(c_.stages));
+    for (const T& item : items) {
+      const Scope scope = at(kind, item.name);
+      if (scope.has("stages") && item.stages.empty())
+        scope.error("stages", "must not be empty: it acts in all stages without it");
+      for (const std::string& name : item.stages) {
+        if (c_.stages.size() == 1 && c_.stages.front().name.empty())
+          return scope.explain("stages", "this run has no stages (add a [stage.NAME] for each)");
+        refer(scope, "stages", name, "stage", names_of(c_.stages));
+      }
+    }
+  }
+
+  bool moves_in(const Stages& stages) const {
+    return std::any_of(c_.stages.begin(), c_.stages.end(), [&](const Stage& s) {
+      return s.steps.analysis == Analysis::dynamic && (stages.empty() || holds(stages, s.name));
+    });
+  }
+
+  /// What would be read and never used.
+  void check_motion() const {
+    for (const Body& b : c_.bodies)
+      if (!b.velocity.is_zero() && c_.stages.front().steps.analysis != Analysis::dynamic)
+        at("body", b.name)
+            .explain("velocity",
+                     "is of the start of the run: the first stage (or [steps]) needs analysis = \"dynamic\"");
+    for (const Absorbing& a : c_.absorbing) {
+      const Scope scope = at("absorbing", a.name);
+      if (!moves_in(a.stages))
+        scope.explain(a.stages.empty() ? "body" : "stages",
+                      "dashpots act in motion: none of its stages has analysis = \"dynamic\"");
+      if (a.s_wave_speed > a.p_wave_speed) scope.error("s_wave_speed", "must not be larger than \"p_wave_speed\"");
+    }
+    for (const Stage& s : c_.stages)
+      if (s.dynamics.error_tolerance > 0.0 && !s.steps.adaptive && s.steps.analysis == Analysis::dynamic)
+        part_of(s, "dynamics").explain("error_tolerance", "needs steps that may change: adaptive = true");
+  }
+
+  /// A number is reached at the end of the first stage: what begins to act later would not move.
+  void check_late_motions() const {
+    if (c_.stages.size() < 2) return;
+    for (const NodeBoundary& b : c_.boundaries) {
+      if (b.stages.empty() || holds(b.stages, c_.stages.front().name)) continue;
+      const Scope scope = at("boundary", b.name);
+      const auto look = [&](const char* key, const TimeFunction& f) {
+        if (f.is_number() && !f.is_zero())
+          scope.explain(key, fmt::format("a number is reached at the end of the first stage, \"{}\", in which this "
+                                         "boundary does not act: give an expression of t",
+                                         c_.stages.front().name));
+      };
+      constexpr std::array<const char*, 3> keys = {"ux", "uy", "uz"};
+      for (std::size_t i = 0; i < keys.size(); ++i)
+        if (b.u[i]) look(keys[i], *b.u[i]);
+      look("un", b.un);
+    }
   }
 
   /// What belongs to the whole run; what acts in some stages only.
@@ -275,11 +347,13 @@ private:
     check_names_of_stages("pressure", c_.pressures);
     check_names_of_stages("absorbing", c_.absorbing);
     check_names_of_stages("contact", c_.contacts);
+    check_motion();
+    check_late_motions();
     for (const Stage& stage : c_.stages) {
       if (stage.solver.ghost_penalty != c_.solver.ghost_penalty)
-        solver_of(stage).explain("ghost_penalty", "must be the same in all stages: say it in [solver]");
+        part_of(stage, "solver").explain("ghost_penalty", "must be the same in all stages: say it in [solver]");
       if (stage.solver.petsc != c_.solver.petsc)
-        solver_of(stage).explain("petsc", "must be the same in all stages: say it in [solver]");
+        part_of(stage, "solver").explain("petsc", "must be the same in all stages: say it in [solver]");
     }
   }
 

@@ -77,7 +77,12 @@ KeyInfo stage_info() { return table_info("stage", stage_table().doc(), stage_tab
 void read_stages(Scope& root, Node::Entry& entry, Case& c) {
   auto all = root.child(entry);
   if (!all) return;
+  if (all->node.object().empty()) root.error("stage", "has no stage: give each a name, [stage.NAME]");
   for (Node::Entry& one : all->node.object()) {
+    if (!one.value.is_object()) {
+      all->error(one.key, "must be a table: stages have names, [stage.NAME]");
+      continue;
+    }
     report_bad_name(*all, one);
     auto scope = all->child(one);
     if (!scope) continue;

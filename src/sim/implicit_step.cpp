@@ -15,6 +15,17 @@ constexpr double impl_ex_tolerance = 1e-5;
 /// Forces of a contact whose nodes have been frozen may be off by this share of themselves.
 constexpr double most_violation = 0.1;
 
+/// Part of a step over which velocities at its ends are differences, and over which a motion begins.
+constexpr double small_part = 1e-4;
+
+/// The trial stresses are those of t_n.
+void recall_stresses(MaterialState& m, Kinematics kinematics) {
+  for (int p = 0; p < m.size(); ++p) {
+    const double J = kinematics == Kinematics::finite ? m.F[p].determinant() * std::exp(m.strain_zz[p]) : 1.0;
+    m.trial[p].stress = J * m.stress[p];  // Kirchhoff's
+  }
+}
+
 bool all_elastic(const MaterialState& m) {
   return std::all_of(m.slices.begin(), m.slices.end(),
                      [](const Slice& s) { return std::holds_alternative<LinearElastic>(s.law); });
@@ -276,43 +287,64 @@ std::vector<double> ImplicitStep::velocity_of_prescribed(double t0, double t1) c
   return v;
 }
 
-/// The motion of the nodes at t_n and of the prescribed ones over the step. Prescribed velocities are differences over
-/// a small part of the step at its ends.   [dynamics (6)]
+/// Prescribed velocities are differences over a small part of the step at its ends.   [dynamics (6)]
+void ImplicitStep::prescribe_motion(double dt) {
+  const double part = small_part * dt;
+  world_.comm.agree([&] {
+    motion_->prescribe(dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
+                       velocity_of_prescribed(t1_ - part, t1_));
+  });
+}
+
+/// The motion of the nodes at t_n and of the prescribed ones over the step.
 void ImplicitStep::begin_motion(double dt) {
   const Discretisation& d = *world_.discretisation;
   const Stage& stage = world_.present_stage();
-  if (!motion_ready_) {
-    motion_->gather(d);
+  const bool fresh = !motion_ready_;
+  if (fresh) motion_->gather(d);
+  prescribe_motion(dt);
+  if (fresh) {
     const double old = motion_->old_weight() + stage.dynamics.rayleigh_stiffness;
-    const bool begins = t0_ <= stage.begin;
-    if (old != 0.0 || begins) forces_at_start();
-    if (begins) start_acceleration();
+    const bool begins = t0_ - stage.begin < small_part * dt;
+    if (old != 0.0 || begins) forces_at_start(begins);
+    if (begins) {
+      start_acceleration();
+      prescribe_motion(dt);
+    }
     motion_ready_ = true;
   }
-  const double part = 1e-4 * dt;
-  motion_->prescribe(dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
-                     velocity_of_prescribed(t1_ - part, t1_));
   NodalVector inertia = motion_->inertia();
   d.halo.add_to_owners(inertia.data()->data(), 3);
   inertia_scale_ = norm(inertia);
 }
 
-/// Internal and external forces of the state at t_n, on the nodes of the step.
-void ImplicitStep::forces_at_start() {
+/// Internal and external forces of the state at t_n, on the nodes of the step. The stresses are those that the points have:
+/// a law that depends on the rate of strain would give others for no increment. Where a motion begins they are those of its
+/// velocities, over a small part of the step.
+void ImplicitStep::forces_at_start(bool begins) {
   Discretisation& d = *world_.discretisation;
-  du_.assign(d.n_nodes(), Vec3::Zero());
+  LawSettings settings = settings_;
+  du_ = no_motion();
+  if (begins) {
+    settings.dt *= small_part;
+    for (std::size_t i = 0; i < du_.size(); ++i) du_[i] = settings.dt * motion_->velocity()[i];
+  }
   world_.boundary->grid_contact().begin_step(d);
-  d.evaluate(du_, settings_);
+  d.evaluate(du_, settings);
+  // With F-bar the mean over the points that are in a cell now counts, as in the step to come.
+  if (!begins && world_.spec.volumetric == Volumetric::standard) recall_stresses(d.material, settings_.kinematics);
+  du_ = no_motion();
   old_internal_ = internal_force();
   old_external_ = weight_at(t0_);
   const NodalVector pressure = pressure_at(t0_, du_);
   for (std::size_t i = 0; i < pressure.size(); ++i) old_external_[i] += pressure[i];
 }
 
-/// The acceleration with which a motion begins: that of the forces.   [dynamics (10)]
+/// The acceleration with which a motion begins: that of the forces, with those of damping.   [dynamics (10)]
 void ImplicitStep::start_acceleration() {
   Discretisation& d = *world_.discretisation;
-  NodalVector f(d.n_nodes(), Vec3::Zero());
+  NodalVector f = motion_->damping(d, motion_->velocity());
+  world_.boundary->add_dashpots(motion_->velocity(), 0.0, f, nullptr);
   world_.boundary->add_forces(d, du_, t0_, t0_, f, nullptr);
   d.halo.add_to_owners(f.data()->data(), 3);
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
@@ -430,14 +462,9 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
 void ImplicitStep::accept() {
   Discretisation& d = *world_.discretisation;
   BoundaryConditions& bc = *world_.boundary;
-  const Case& c = world_.spec;
   double work = 0.0;
   const Reactions now = bc.reactions(du_, t0_, t1_, force_);
   const Reactions& before = balance_.reactions;
-  for (std::size_t b = 0; b < c.bodies.size(); ++b)
-    if (c.bodies[b].rigid)
-      work += 0.5 *
-              (now.rigid[b] + before.rigid[b]).dot(c.bodies[b].displacement.at(t1_) - c.bodies[b].displacement.at(t0_));
   work += bc.support_work(before, now, t0_, t1_);
   balance_.reactions = now;
   const double time_before = gauge_ >= 0 ? load_time() : t0_, factor_before = gauge_ >= 0 ? world_.load_factor : 1.0;

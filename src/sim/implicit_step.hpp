@@ -66,7 +66,8 @@ private:
   void check_motions() const;
   void begin_motion(double dt);
   void accept_motion();
-  void forces_at_start();
+  void prescribe_motion(double dt);
+  void forces_at_start(bool begins);
   void start_acceleration();
   void weigh_forces();
   NodalVector internal_force() const;

@@ -124,7 +124,13 @@ private:
     const int other = grid_.neighbours[std::size_t(max_faces) * grid_cell(layered) + face];
     return other < 0 ? -1 : other + field_of(layered) * grid_.mesh.n_cells();
   }
+  // where fields meet (mpm_contact.cpp)
   void pair_nodes();
+  void surfaces_of_interfaces(const std::vector<char>& held);
+  void separate_points(const std::vector<char>& held);
+  void gaps_of_interfaces();
+  /// Volume of a point over the one at reference, as the grid sees it.
+  double swollen(int p) const { return total_lagrangian_ ? 1.0 : material.F[p].determinant(); }
   int owner_of_cell(int cell) const { return partition_.owner(cell_centre(grid_.mesh, cell)); }
 
   template <int dimension, bool hoop>

@@ -1,10 +1,30 @@
 /// Where the fields of the grid meet (docs/theory/contact.md).
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "transfer/mpm.hpp"
 
 namespace berm {
+namespace {
+
+/// Sums of a Newton step of (1b) at a node: gradient, then the upper triangle of the matrix, by the coordinates and 1.
+constexpr int sums = 4 + 10;
+
+/// The plane phi . (xi, 1) = 0 between two clouds of points, by one Newton step from phi.
+void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::VectorXd gradient(unknowns);
+  const double* m = at + 4;
+  for (int i = 0; i < unknowns; ++i) {
+    gradient[i] = at[i];
+    for (int j = i; j < unknowns; ++j) matrix(i, j) = matrix(j, i) = *m++;
+  }
+  const Eigen::VectorXd step = matrix.llt().solve(gradient);
+  if (step.allFinite()) phi.head(unknowns) -= step;
+}
+
+}  // namespace
 
 /// Pairs of nodes of different fields at the same place, and their blocks.
 void MpmDiscretisation::pair_nodes() {
@@ -28,20 +48,17 @@ void MpmDiscretisation::pair_nodes() {
   }
 }
 
-/// Normals and areas from the gradients of the volume of the two fields, gaps from their outermost points.
-/// [contact (1) - (3)]
-void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
-  if (n_fields_ == 1) return;
+/// Areas and, where there is nothing better, normals from the gradients of the volume of the two fields.   [contact (1)]
+void MpmDiscretisation::surfaces_of_interfaces(const std::vector<char>& held) {
   const int d = dimension();
   NodalVector outward(n_nodes(), Vec3::Zero());
-  const auto swollen = [&](int p) { return total_lagrangian_ ? 1.0 : material.F[p].determinant(); };
   for_points([&](std::span<const int> list, int p, const double* s) {
     const int n = static_cast<int>(list.size());
+    const double volume = material.volume[p] * swollen(p);
     for (int k = 0; k < n; ++k)
-      for (int i = 0; i < d; ++i) outward[list[k]][i] += material.volume[p] * swollen(p) * s[n + d * k + i];
+      for (int i = 0; i < d; ++i) outward[list[k]][i] += volume * s[n + d * k + i];
   });
   halo.add_to_owners(reinterpret_cast<double*>(outward.data()), 3);
-  NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of the one with the lower number
   for (Interface& at : interfaces_) {
     // On a plane of symmetry, and at every face that is held, bodies end without a surface for the other.
     for (int i = 0; i < d; ++i)
@@ -52,12 +69,73 @@ void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
                             std::pow(outward[at.b].squaredNorm(), 4) * outward[at.b];
     const double size = difference.norm();
     at.normal = size > 0.0 ? Vec3(difference / size) : Vec3::Zero();
+  }
+}
+
+/// Normals of the planes that part the points of the two fields best: logistic regression.   [contact (2)]
+void MpmDiscretisation::separate_points(const std::vector<char>& held) {
+  constexpr int iterations = 8;
+  constexpr double penalty = 1e-3;  // keeps clouds that can be parted from steepening the step for ever
+  const int d = dimension();
+  std::vector<Eigen::Vector4d> phi(n_nodes(), Eigen::Vector4d::Zero());  // of nodes in contact: field a below, b above
+  std::vector<double> label(n_nodes(), 0.0);
+  for (const Interface& at : interfaces_) {
+    label[at.a] = -1.0;
+    label[at.b] = 1.0;
+  }
+  halo.copy_to_ghosts(label.data(), 1);
+  std::vector<double> sum(std::size_t(sums) * n_nodes());
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    halo.copy_to_ghosts(reinterpret_cast<double*>(phi.data()), 4);
+    std::fill(sum.begin(), sum.end(), 0.0);
+    for_points([&](std::span<const int> list, int p, const double*) {
+      const double weight = measure_[p] * swollen(p) / std::pow(cell_size_, d);
+      for (const int node : list) {
+        if (label[node] == 0.0) continue;
+        Eigen::Vector4d xi = Eigen::Vector4d::Zero();
+        xi.head(d) = (seen(p) - nodes[node]).head(d) / cell_size_;
+        xi[d] = 1.0;
+        const double wrong = 1.0 / (1.0 + std::exp(label[node] * phi[node].dot(xi)));
+        double* at = sum.data() + std::size_t(sums) * node;
+        for (int i = 0; i <= d; ++i) at[i] -= weight * label[node] * wrong * xi[i];
+        double* m = at + 4;
+        for (int i = 0; i <= d; ++i)
+          for (int j = i; j <= d; ++j) *m++ += weight * wrong * (1.0 - wrong) * xi[i] * xi[j];
+      }
+    });
+    halo.add_to_owners(sum.data(), sums);
+    for (const Interface& at : interfaces_) {
+      double* a = sum.data() + std::size_t(sums) * at.a;
+      const double* b = sum.data() + std::size_t(sums) * at.b;
+      for (int k = 0; k < sums; ++k) a[k] += b[k];
+      double* m = a + 4;
+      for (int i = 0; i <= d; ++i) {
+        a[i] += penalty * phi[at.a][i];
+        *m += penalty;
+        m += d + 1 - i;
+      }
+      improve(a, d + 1, phi[at.a]);
+      phi[at.b] = phi[at.a];
+    }
+  }
+  for (Interface& at : interfaces_) {
+    Vec3 normal = Vec3::Zero();
+    normal.head(d) = phi[at.a].head(d);
+    for (int i = 0; i < d; ++i)
+      if (held[d * at.a + i] && held[d * at.b + i]) normal[i] = 0.0;
+    if (normal.allFinite() && normal.norm() > 1e-3 && !at.normal.isZero(0.0)) at.normal = normal.normalized();
+  }
+}
+
+/// How far each field reaches along its own normal.   [contact (3)]
+void MpmDiscretisation::gaps_of_interfaces() {
+  const int d = dimension();
+  NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of them
+  for (const Interface& at : interfaces_) {
     normal[at.a] = at.normal;
     normal[at.b] = -at.normal;
   }
   halo.copy_to_ghosts(reinterpret_cast<double*>(normal.data()), 3);
-
-  // How far each field reaches along its own normal.
   std::vector<double> reach(n_nodes(), -infinity);
   for_points([&](std::span<const int> list, int p, const double*) {
     const double half = 0.5 * std::pow(measure_[p] * swollen(p), 1.0 / d);
@@ -71,6 +149,13 @@ void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
     at.gap = std::max(0.0, -(reach[at.a] + reach[at.b]) - 0.5 * spacing);
     if (!std::isfinite(at.gap)) at.normal.setZero();  // a node without material: only surface points are near
   }
+}
+
+void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
+  if (n_fields_ == 1) return;
+  surfaces_of_interfaces(held);
+  if (!getenv("XOLD")) separate_points(held);
+  gaps_of_interfaces();
 }
 
 }  // namespace berm
