@@ -8,7 +8,7 @@
 namespace berm {
 namespace {
 
-/// Sums of a Newton step of (1b) at a node: gradient, then the upper triangle of the matrix, by the coordinates and 1.
+/// Sums of a Newton step of (2) at a node: gradient, then the upper triangle of the matrix, by the coordinates and 1.
 constexpr int sums = 4 + 10;
 
 /// The plane phi . (xi, 1) = 0 between two clouds of points, by one Newton step from phi.
@@ -48,7 +48,8 @@ void MpmDiscretisation::pair_nodes() {
   }
 }
 
-/// Areas and, where there is nothing better, normals from the gradients of the volume of the two fields.   [contact (1)]
+/// Areas and, where there is nothing better, normals from the gradients of the volume of the two fields.   [contact
+/// (1)]
 void MpmDiscretisation::surfaces_of_interfaces(const std::vector<char>& held) {
   const int d = dimension();
   NodalVector outward(n_nodes(), Vec3::Zero());
@@ -154,7 +155,7 @@ void MpmDiscretisation::gaps_of_interfaces() {
 void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
   if (n_fields_ == 1) return;
   surfaces_of_interfaces(held);
-  if (!getenv("XOLD")) separate_points(held);
+  separate_points(held);
   gaps_of_interfaces();
 }
 
