@@ -23,7 +23,15 @@ from berm.results import ResultError, Run
 TOLERANCE = 1e-6
 NOT_JUDGED = ("newton_iterations", "residual")
 FRACTIONS = ("energy_error", "extrapolation_error")
-ENERGIES = ("external_work", "elastic_energy", "dissipated_energy")
+ENERGIES = (
+    "external_work",
+    "elastic_energy",
+    "dissipated_energy",
+    "kinetic_energy",
+    "damping_energy",
+    "transfer_energy",
+    "friction_energy",
+)
 
 
 @dataclass

@@ -8,8 +8,8 @@
 namespace berm {
 namespace {
 
-/// Sums of a Newton step of (2) at a node: gradient, then the upper triangle of the matrix, by the coordinates and 1.
-constexpr int sums = 4 + 10;
+/// Sums of a Newton step of (2) at a node: gradient, upper triangle of the matrix, by the coordinates and 1; weights.
+constexpr int sums = 4 + 10 + 1;
 
 /// The plane phi . (xi, 1) = 0 between two clouds of points, by one Newton step from phi.
 void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
@@ -75,8 +75,8 @@ void MpmDiscretisation::surfaces_of_interfaces(const std::vector<char>& held) {
 
 /// Normals of the planes that part the points of the two fields best: logistic regression.   [contact (2)]
 void MpmDiscretisation::separate_points(const std::vector<char>& held) {
-  constexpr int iterations = 8;
-  constexpr double penalty = 1e-3;  // keeps clouds that can be parted from steepening the step for ever
+  constexpr int iterations = 12;
+  constexpr double penalty = 1e-4;  // keeps clouds that can be parted from steepening the step for ever
   const int d = dimension();
   std::vector<Eigen::Vector4d> phi(n_nodes(), Eigen::Vector4d::Zero());  // of nodes in contact: field a below, b above
   std::vector<double> label(n_nodes(), 0.0);
@@ -99,6 +99,7 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
         const double wrong = 1.0 / (1.0 + std::exp(label[node] * phi[node].dot(xi)));
         double* at = sum.data() + std::size_t(sums) * node;
         for (int i = 0; i <= d; ++i) at[i] -= weight * label[node] * wrong * xi[i];
+        at[sums - 1] += weight;
         double* m = at + 4;
         for (int i = 0; i <= d; ++i)
           for (int j = i; j <= d; ++j) *m++ += weight * wrong * (1.0 - wrong) * xi[i] * xi[j];
@@ -111,8 +112,8 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
       for (int k = 0; k < sums; ++k) a[k] += b[k];
       double* m = a + 4;
       for (int i = 0; i <= d; ++i) {
-        a[i] += penalty * phi[at.a][i];
-        *m += penalty;
+        a[i] += penalty * a[sums - 1] * phi[at.a][i];
+        *m += penalty * a[sums - 1];
         m += d + 1 - i;
       }
       improve(a, d + 1, phi[at.a]);

@@ -131,6 +131,8 @@ dynamics.rayleigh_mass = 20.0
 analysis = "dynamic"
 duration = 5.0
 count = 500
+[dynamics]
+transfer = "blend"
 )toml");
   ASSERT_TRUE(model.run());
   const MaterialState& m = model.material();
