@@ -64,13 +64,14 @@ void MpmDiscretisation::commit_motion(const NodalVector& v0, const NodalVector& 
   using Transfer = Dynamics::Transfer;
   const bool apic = how.transfer == Transfer::apic;
   const double flip = how.transfer == Transfer::flip ? 1.0 : how.transfer == Transfer::blend ? how.flip_fraction : 0.0;
+  const double keep = apic ? 1.0 : flip;  // of the acceleration
   const int d = dimension();
   for_points([&](std::span<const int> list, int p, const double* s) {
     const int n = static_cast<int>(list.size());
-    Vec3 v = flip * v_[p], a = flip * a_[p];
+    Vec3 v = flip * v_[p], a = keep * a_[p];
     for (int k = 0; k < n; ++k) {
       v += s[k] * (v1[list[k]] - flip * v0[list[k]]);
-      a += s[k] * (a1[list[k]] - flip * a0[list[k]]);
+      a += s[k] * (a1[list[k]] - keep * a0[list[k]]);
     }
     v_[p] = v;
     a_[p] = a;
