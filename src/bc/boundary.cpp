@@ -105,6 +105,8 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
   }
   fixed_.assign(static_cast<std::size_t>(dimension_) * d.n_nodes(), 0);
   for (const auto& [k, node] : local_conditions_) fixed_[dimension_ * node + conditions_[k].component] = 1;
+  for (int node : d.scalar_nodes())
+    for (int i = 1; i < dimension_; ++i) fixed_[dimension_ * node + i] = 1;
   share_nodes(d);
   for (int node = 0; node < d.n_nodes(); ++node)
     if (moved_by_[node] >= 0)

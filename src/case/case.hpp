@@ -21,8 +21,8 @@ namespace berm {
 
 enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
-/// Volumetric strain of a point: its own, or the mean over the points of its cell.
-enum class Volumetric { standard, f_bar };
+/// Volumetric strain of a point: its own, the mean over the points of its cell, or that of a pressure at the nodes.
+enum class Volumetric { standard, f_bar, mixed };
 
 /// Names of the stages in which something acts; empty: in all.
 using Stages = std::vector<std::string>;

@@ -41,10 +41,11 @@ Table<Case> model_table() {
            "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
            "that crack but hardly move (method \"mpm\")");
   t.choice("volumetric", &Case::volumetric,
-           Words<Volumetric>{{"standard", Volumetric::standard}, {"f_bar", Volumetric::f_bar}},
-           "volumetric strain of a material point: its own, or the mean over the points of its cell (F-bar), which does "
-           "not lock where the volume hardly changes: undrained soil, metal, failure loads (method \"mpm\", grids of "
-           "quads or hexahedra, not plane stress)");
+           Words<Volumetric>{{"standard", Volumetric::standard}, {"f_bar", Volumetric::f_bar}, {"mixed", Volumetric::mixed}},
+           "volumetric strain of a material point: its own; the mean over the points of its cell (f_bar); or that of a "
+           "pressure with unknowns of its own at the nodes (mixed: stabilised u-p). The latter two do not lock where the "
+           "volume hardly changes: undrained soil, metal, failure loads (method \"mpm\", not plane stress; f_bar: grids "
+           "of quads or hexahedra)");
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");

@@ -247,17 +247,46 @@ private:
   }
 
   void check_volumetric() const {
-    if (c_.volumetric != Volumetric::f_bar) return;
-    const auto refuse = [this](const char* why) { at("model").explain("volumetric", why); };
+    if (c_.volumetric == Volumetric::standard) return;
+    const bool mixed = c_.volumetric == Volumetric::mixed;
+    const auto refuse = [&](const char* why) {
+      at("model").explain("volumetric", fmt::format("\"{}\" {}", mixed ? "mixed" : "f_bar", why));
+    };
     if (c_.method == Method::fem)
-      return refuse("\"f_bar\" is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
+      return refuse("is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
     if (c_.space == Space::plane_stress)
-      return refuse("\"f_bar\" is not for plane stress, where nothing locks: the thickness is free to change");
+      return refuse("is not for plane stress, where nothing locks: the thickness is free to change");
+    if (mixed) return check_mixed();
     const auto* grid = std::get_if<StructuredGrid>(&c_.grid);
     if (grid && grid->kind != GridKind::quads && grid->kind != GridKind::hexahedra)
       refuse(
-          "\"f_bar\" needs a grid of quads or hexahedra: the strain of a linear triangle or tetrahedron is uniform "
-          "already");
+          "needs a grid of quads or hexahedra: the strain of a linear triangle or tetrahedron is uniform already "
+          "(\"mixed\" helps there)");
+  }
+
+  /// What has pressures among its unknowns is solved directly, and the equation of volumes is no equation of motion.
+  void check_mixed() const {
+    for (const Material& m : c_.materials) {
+      const bool fits = std::holds_alternative<LinearElastic>(m.law) || std::holds_alternative<NeoHookean>(m.law) ||
+                        (is_plastic(m.law) && elastic_constants(m.law));
+      if (!fits)
+        at("material", m.name)
+            .explain("law", "does not go with model.volumetric = \"mixed\", which is for elastic and plastic laws with "
+                            "constant elastic moduli");
+    }
+    if (c_.control.kind == Control::Kind::gauge)
+      at("control").explain("gauge", "does not go with model.volumetric = \"mixed\"");
+    for (const Stage& stage : c_.stages) {
+      const Scope solver = part_of(stage, "solver"), dynamics = part_of(stage, "dynamics");
+      if (stage.solver.linear == Solver::Linear::iterative)
+        solver.explain("linear", "model.volumetric = \"mixed\" has pressures among its unknowns: \"direct\"");
+      if (stage.steps.analysis != Analysis::dynamic) continue;
+      if (stage.dynamics.integrator == Dynamics::Integrator::hht)
+        dynamics.explain("integrator", "\"hht\" weighs forces of two instants, which model.volumetric = \"mixed\" does "
+                                       "not have for volumes: \"newmark\" or \"bossak\"");
+      if (stage.dynamics.rayleigh_stiffness > 0.0)
+        dynamics.explain("rayleigh_stiffness", "does not go with model.volumetric = \"mixed\": take rayleigh_mass");
+    }
   }
 
   /// Only damage can be extrapolated.

@@ -32,19 +32,18 @@ void LinearSolver::destroy() {
   KSPDestroy(&fallback_);
 }
 
-/// Direct in the plane (nested dissection keeps factors small), in small systems and in bordered ones.
+/// Direct in the plane (nested dissection keeps factors small), in small systems, in bordered ones and with pressures.
 void LinearSolver::choose(const SystemLayout& layout) {
   using Linear = Solver::Linear;
   const std::string size = fmt::format("{} unknowns in {}", layout.n_global, layout.dimension == 3 ? "space" : "the plane");
   iterative_ = options_.linear == Linear::iterative ||
                (options_.linear == Linear::automatic && layout.dimension == 3 && layout.n_global > largest_direct_in_space);
-  if (layout.bordered) iterative_ = false;
+  const char* direct_only = layout.bordered ? ", bordered by the gauge" : layout.indefinite ? ", with pressures" : nullptr;
+  if (direct_only) iterative_ = false;
   const char* factors = symmetric_ ? "L D L^T" : "L U";
   const char* krylov = symmetric_ ? "conjugate gradients" : "GMRES";
-  const char* why = options_.linear != Linear::automatic && !(layout.bordered && options_.linear == Linear::iterative)
-                        ? ", as the case says"
-                    : layout.bordered ? ", bordered by the gauge"
-                                      : "";
+  const bool as_wished = options_.linear != Linear::automatic && !(direct_only && options_.linear == Linear::iterative);
+  const char* why = as_wished ? ", as the case says" : direct_only ? direct_only : "";
   choice_ = iterative_ ? fmt::format("{} with algebraic multigrid ({}{}); MUMPS if it stagnates", krylov, size, why)
                        : fmt::format("MUMPS, {} ({}{})", factors, size, why);
 }

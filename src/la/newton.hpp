@@ -31,6 +31,7 @@ struct SystemLayout {
   int dimension = 2;                 ///< unknowns a node
   int n_mine = 0;                    ///< unknowns that this process owns, a border's included
   bool bordered = false;
+  bool indefinite = false;           ///< some unknowns are pressures: for the direct method only
   std::vector<std::int64_t> global;  ///< number in the whole of every row of this process's matrix
   std::int64_t n_global = 0;
   std::vector<Vec3> places;          ///< of the owned nodes: rigid modes for multigrid

@@ -2,6 +2,7 @@
 /// The list of laws. One line here and the case reader, the manual, the solvers and the law tests know the law.
 
 #include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -34,6 +35,18 @@ inline bool knows_plane_stress(const AnyLaw& law) {
   return std::visit(
       [](const auto& l) {
         return !requires { std::decay_t<decltype(l)>::no_plane_stress; };
+      },
+      law);
+}
+
+/// Elastic constants of a law with constant ones; empty for others.
+inline std::optional<Lame> elastic_constants(const AnyLaw& law) {
+  return std::visit(
+      [](const auto& l) -> std::optional<Lame> {
+        if constexpr (requires { l.lame(); })
+          return l.lame();
+        else
+          return {};
       },
       law);
 }

@@ -79,6 +79,11 @@ public:
   /// Normals, areas and gaps of the interfaces of the step that has begun. `held`: by component of the nodes that this
   /// process owns, those whose displacement is prescribed. Collective.
   virtual void look_at_interfaces(const std::vector<char>& /*held*/) {}
+  /// Local nodes with a single unknown, the first one: pressures.
+  virtual const std::vector<int>& scalar_nodes() const {
+    static const std::vector<int> none;
+    return none;
+  }
   const Comm& comm() const { return comm_; }
   int n_nodes() const { return halo.size(); }
   double most_loaded() const { return most_loaded_; }

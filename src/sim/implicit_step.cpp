@@ -63,8 +63,9 @@ int ImplicitStep::n_mine() const { return dimension_ * world_.discretisation->ha
 void ImplicitStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
   settings_.integration = integration;
+  const bool mixed = world_.spec.volumetric == Volumetric::mixed;  // symmetric at best, but never positive definite
   const bool symmetric =
-      gauge_ < 0 && world_.boundary->symmetric() && (integration != Integration::implicit || all_elastic(d.material));
+      gauge_ < 0 && !mixed && world_.boundary->symmetric() && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
     if (!world_.step_begun) world_.begin_step();
@@ -131,6 +132,7 @@ void ImplicitStep::lay_out(bool symmetric) {
   SystemLayout layout;
   layout.dimension = dimension_;
   layout.bordered = border_.active;
+  layout.indefinite = world_.spec.volumetric == Volumetric::mixed;
   layout.n_mine = n_mine();
   layout.n_global = dimension_ * d.halo.n_global + (border_.active ? 1 : 0);
   for (std::int64_t node : d.halo.global)

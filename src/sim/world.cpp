@@ -265,7 +265,9 @@ std::string describe(const World& w) {
                    : w.spec.formulation == Formulation::total_lagrangian ? "mpm, total Lagrangian"
                                                                          : "mpm",
                    space_text(w.spec.space), w.spec.kinematics == Kinematics::finite ? "finite" : "small",
-                   w.spec.volumetric == Volumetric::f_bar ? ", F-bar" : ""));
+                   w.spec.volumetric == Volumetric::f_bar   ? ", F-bar"
+                   : w.spec.volumetric == Volumetric::mixed ? ", mixed u-p"
+                                                            : ""));
   const char* unit = solid ? "m3" : "m2";
   for (const BodySummary& b : w.bodies)
     line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)

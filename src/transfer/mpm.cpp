@@ -31,7 +31,8 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
       space_(space),
       ghost_penalty_(ghost_penalty),
       total_lagrangian_(formulation == Formulation::total_lagrangian),
-      f_bar_(volumetric == Volumetric::f_bar) {
+      f_bar_(volumetric == Volumetric::f_bar),
+      mixed_(volumetric == Volumetric::mixed) {
   if (f_bar_ && std::all_of(grid_.mesh.kinds.begin(), grid_.mesh.kinds.end(), is_simplex))
     throw InputError(
         "[model] volumetric = \"f_bar\" needs a background grid of quads or hexahedra: the strain of a linear triangle "
@@ -51,7 +52,9 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
                                  double thickness) {
-  youngs_of_slice_.push_back(std::visit([](const auto& law) { return law.stiffness(); }, spec.law) * thickness);
+  const double youngs = std::visit([](const auto& law) { return law.stiffness(); }, spec.law);
+  youngs_of_slice_.push_back(youngs * thickness);
+  pressure_unit_ = std::max(pressure_unit_, youngs / cell_size_);
   const auto holder = [&](std::size_t p) { return static_cast<int>(p * comm_.size() / points.x.size()); };
   std::vector<double> volume, length;
   for (std::size_t p = 0; p < points.x.size(); ++p) {
@@ -92,7 +95,7 @@ void MpmDiscretisation::set_fields(std::vector<int> field_of_body, int n_fields)
   field_of_body_ = std::move(field_of_body);
   n_fields_ = n_fields;
   active_index_.assign(std::size_t(n_fields) * grid_.mesh.n_cells(), -1);
-  local_node_.assign(std::size_t(n_fields) * grid_.mesh.n_nodes(), -1);
+  local_node_.assign(std::size_t(mixed_ ? 2 : 1) * n_fields * grid_.mesh.n_nodes(), -1);
 }
 
 // ---- points and processes
@@ -243,6 +246,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   build_faces();
   number_nodes();
   if (f_bar_) group_points();
+  if (mixed_) look_up_elasticity();
   attach(anchors);
 }
 
@@ -430,8 +434,11 @@ void MpmDiscretisation::number_nodes() {
     faces_[f].block = static_cast<int>(active_cells_.size() + f);
     pairs.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
   }
-  if (comm_.all(numbered_ && active_cells_ == numbered_cells_ && pairs == numbered_faces_)) return;
+  std::vector<int> filled = mixed_ ? filled_cells() : std::vector<int>{};
+  if (comm_.all(numbered_ && active_cells_ == numbered_cells_ && filled == numbered_filled_ && pairs == numbered_faces_))
+    return;
   numbered_cells_ = active_cells_;
+  numbered_filled_ = std::move(filled);
   numbered_faces_ = std::move(pairs);
   numbered_ = true;
   ++connectivity;
@@ -443,6 +450,9 @@ void MpmDiscretisation::number_nodes() {
     for (int node : mesh.nodes_of_cell(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
     for (int k = 0; k < f.n; ++k) touched[layered_node(f.node[k], f.cell_a)] = 1;
+  for (int a : numbered_filled_)
+    for (int node : mesh.nodes_of_cell(grid_cell(active_cells_[a])))
+      touched[layered_node(node, active_cells_[a]) + n_fields_ * mesh.n_nodes()] = 1;  // its pressure
   std::vector<std::int64_t> ids;
   for (std::size_t node = 0; node < touched.size(); ++node)
     if (touched[node]) ids.push_back(static_cast<std::int64_t>(node));
@@ -462,6 +472,7 @@ void MpmDiscretisation::number_nodes() {
   };
   for (int c : active_cells_) add_block(mesh.cell(grid_cell(c)), nodes_of(mesh.kinds[grid_cell(c)]), c);
   for (const Face& f : faces_) add_block(f.node.data(), f.n, f.cell_a);
+  add_pressure_blocks();
   pair_nodes();
 }
 
@@ -541,11 +552,11 @@ void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinema
 Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& settings) {
   kinematics_ = settings.kinematics;
   with_space([&]<int dimension, bool hoop>() { trial_gradients<dimension, hoop>(du, settings.kinematics); });
-  const Status status = f_bar_ ? average_dilatation() : Status::ok;
+  const Status status = f_bar_ ? average_dilatation() : mixed_ ? volumes_of_pressures(du) : Status::ok;
   return status == Status::ok ? material.respond(settings) : status;
 }
 
-/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part]
+/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part; mixed (50)]
 template <int dimension, bool hoop>
 void MpmDiscretisation::internal_force(NodalVector& f) const {
   std::array<Vec3, 8> sum;
@@ -574,6 +585,7 @@ void MpmDiscretisation::internal_force(NodalVector& f) const {
 void MpmDiscretisation::add_internal_force(NodalVector& f) const {
   with_space([&]<int dimension, bool hoop>() { internal_force<dimension, hoop>(f); });
   if (f_bar_) add_mean_pressure(f);
+  if (mixed_) add_volume_residuals(f);
 }
 
 /// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with n nodes.   [formulation (10)]
@@ -625,6 +637,13 @@ void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& mat
     const int block = static_cast<int>(a);
     const bool simplex = is_simplex(grid_.mesh.kinds[grid_cell(active_cells_[a])]);
     constexpr int corners = dimension == 3 ? 8 : 4;
+    if (mixed_ && pressure_block_[a] >= 0) {
+      if (simplex)
+        mixed_tangent<dimension, hoop, dimension + 1>(block, settings, matrix);
+      else
+        mixed_tangent<dimension, hoop, corners>(block, settings, matrix);
+      continue;
+    }
     if (simplex)
       cell_tangent<dimension, hoop, dimension + 1>(block, settings, K);
     else if (f_bar_)
@@ -678,7 +697,7 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
   const int d = dimension();
   comm_.agree([&] {
     material.commit();
-    if (f_bar_ && move) stretch_ = trial_stretch_;
+    if ((f_bar_ || mixed_) && move) stretch_ = trial_stretch_;
     for (std::size_t a = 0; a < active_cells_.size(); ++a) {
       const std::span<const int> list = blocks[static_cast<int>(a)];
       const int n = static_cast<int>(list.size());

@@ -32,6 +32,7 @@ public:
   int n_fields() const override { return n_fields_; }
   const std::vector<Interface>& interfaces() const override { return interfaces_; }
   void look_at_interfaces(const std::vector<char>& held) override;
+  const std::vector<int>& scalar_nodes() const override { return scalar_nodes_; }
 
   const Mesh& mesh() const override { return grid_.mesh; }
   void move_points(double rebalance) override;
@@ -150,6 +151,21 @@ private:
   void add_mean_pressure(NodalVector& f) const;
   template <int dimension, bool hoop, int n>
   void f_bar_tangent(int active, const LawSettings& settings, double* K) const;
+  // pressures of their own (mpm_mixed.cpp)
+  std::vector<int> filled_cells() const;
+  void add_pressure_blocks();
+  void look_up_elasticity();
+  Status volumes_of_pressures(const NodalVector& du);
+  template <int n>
+  Eigen::Matrix<double, n, Eigen::Dynamic> fluctuations(int active) const;
+  template <int n>
+  void volume_residual(int active, NodalVector& f) const;
+  void add_volume_residuals(NodalVector& f) const;
+  template <int dimension, bool hoop, int n>
+  void mixed_tangent(int active, const LawSettings& settings, BlockAssembler& matrix) const;
+  /// Components of the gradient of unit displacements of the n nodes on the trial configuration, and their divergence.
+  template <int dimension, bool hoop, int n, class Components, class Row>
+  void unit_gradients(int p, Components& B, Row& c) const;
   /// Number of directions that the volumetric strain of the model has: F_zz of plane strain stays 1.
   int volumetric_directions() const { return space_ == Space::plane_strain ? 2 : 3; }
 
@@ -170,7 +186,8 @@ private:
   Space space_;
   double ghost_penalty_ = 0.0;
   bool total_lagrangian_ = false;
-  bool f_bar_ = false;
+  bool f_bar_ = false, mixed_ = false;
+  double pressure_unit_ = 0.0;  ///< mixed: of the unknowns [Pa/m]
   double cell_size_ = 0.0;
   Kinematics kinematics_ = Kinematics::finite;
 
@@ -209,6 +226,9 @@ private:
   std::vector<double> stretch_;        ///< F-bar, total Lagrangian: stored over compatible stretch, s of (43)
   std::vector<double> trial_stretch_;  ///< of the trial state
   std::vector<double> share_;          ///< F-bar: of the point in its group's trial volume, w of (44)
+  std::vector<double> bulk_, shear_;   ///< mixed: elastic moduli, (48) [Pa]
+  std::vector<double> pressure_;       ///< mixed: trial increment, tension positive [Pa]
+  std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (49)
   int stride_ = 0;          ///< of shape_
   std::int64_t n_points_ = 0;  ///< of all processes
 
@@ -224,14 +244,36 @@ private:
   std::vector<int> order_, first_;
   std::vector<Group> groups_;            ///< F-bar
   std::vector<int> first_group_;         ///< of an active cell
+  std::vector<int> pressure_block_;      ///< mixed: of an active cell with points, else -1
+  std::vector<int> scalar_nodes_;
   std::vector<double> mean_divergence_;  ///< by group: divergence of unit displacements of the nodes, b of (44)
   std::vector<Face> faces_;
   std::vector<int> local_node_;  ///< layered node -> local node or -1
 
   // what the present node numbers were made for
-  std::vector<int> numbered_cells_;
+  std::vector<int> numbered_cells_, numbered_filled_;
   std::vector<std::pair<int, int>> numbered_faces_;
   bool numbered_ = false;
 };
+
+template <int dimension, bool hoop, int n, class Components, class Row>
+void MpmDiscretisation::unit_gradients(int p, Components& B, Row& c) const {
+  const double* s = shape(p);
+  const Mat3& push = push_[p];
+  B.setZero();
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < dimension; ++j) {
+      double gradient = 0.0;
+      for (int l = 0; l < dimension; ++l) gradient += push(j, l) * s[n + dimension * k + l];
+      for (int i = 0; i < dimension; ++i) B(dimension * i + j, dimension * k + i) = gradient;
+      c[dimension * k + j] = gradient;
+    }
+  if constexpr (hoop)
+    for (int k = 0; k < n; ++k) {
+      double& ring = B(dimension * dimension, dimension * k);
+      ring = push(2, 2) * hoop_gradient(s, n, seen(p).x(), k);
+      c[dimension * k] += ring;
+    }
+}
 
 }  // namespace berm

@@ -35,7 +35,7 @@ void MpmDiscretisation::group_points() {
 /// The deformation gradient at t_n that belongs to the displacements (total Lagrangian).   [formulation (43)]
 Mat3 MpmDiscretisation::compatible_F(int p) const {
   Mat3 F = material.F[p];
-  if (f_bar_) F.topRows(volumetric_directions()) /= stretch_[p];
+  F.topRows(volumetric_directions()) /= stretch_[p];
   return F;
 }
 
@@ -133,23 +133,8 @@ void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, d
     double pressure = 0.0;
     for (int p : points_in(groups_[g])) pressure += mean_stress_volume(p);
     for (int p : points_in(groups_[g])) {
-      // Components of the gradient of unit displacements: B; their trace: c.
-      const double* s = shape(p);
-      const Mat3& push = push_[p];
-      B.setZero();
       Row c;
-      for (int k = 0; k < n; ++k)
-        for (int j = 0; j < dimension; ++j) {
-          double gradient = 0.0;
-          for (int l = 0; l < dimension; ++l) gradient += push(j, l) * s[n + dimension * k + l];
-          for (int i = 0; i < dimension; ++i) B(dimension * i + j, dimension * k + i) = gradient;
-          c[dimension * k + j] = gradient;
-        }
-      if constexpr (hoop)
-        for (int k = 0; k < n; ++k) {
-          B(components - 1, 2 * k) = push(2, 2) * hoop_gradient(s, n, seen(p).x(), k);
-          c[2 * k] += B(components - 1, 2 * k);
-        }
+      unit_gradients<dimension, hoop, n>(p, B, c);
       const Row theta = b - c;
       if (finite) {
         const Mat3 tau = material.volume[p] * response_detail::tensor(material.trial[p].stress);

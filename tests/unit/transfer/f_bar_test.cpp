@@ -1,163 +1,13 @@
 /// Mean dilatation over the points of a cell, without a solver.   [docs/theory/formulation.md, section 14]
 
-#include <gtest/gtest.h>
-
-#include <Eigen/LU>
-#include <cmath>
-#include <random>
-
-#include "base/error.hpp"
-#include "mesh/region.hpp"
-#include "transfer/mpm.hpp"
+#include "blocks.hpp"
 
 namespace berm {
 namespace {
 
-constexpr double young = 30e6, h = 0.1;
-constexpr int cells = 3;
-const Vec3 corner(0.1, 0.0, 0.0);
-
-struct Model {
-  const char* name;
-  Space space;
-  Kinematics kinematics;
-  Formulation formulation;
-};
-
-template <class Work>
-void for_all_models(Work work) {
-  for (const Space space : {Space::plane_strain, Space::axisymmetric, Space::solid})
-    for (const Kinematics kinematics : {Kinematics::small, Kinematics::finite})
-      for (const Formulation formulation : {Formulation::updated_lagrangian, Formulation::total_lagrangian}) {
-        SCOPED_TRACE(std::string(space == Space::solid          ? "solid"
-                                 : space == Space::axisymmetric ? "axisymmetric"
-                                                                : "plane strain") +
-                     (kinematics == Kinematics::small ? ", small" : ", finite") +
-                     (formulation == Formulation::total_lagrangian ? ", total" : ", updated"));
-        work(space, kinematics, formulation);
-      }
+std::unique_ptr<MpmDiscretisation> make(Space space, Formulation formulation, const Material& material) {
+  return make(space, formulation, material, Volumetric::f_bar);
 }
-
-Material elastic() {
-  LinearElastic law;
-  law.youngs_modulus = young;
-  law.poisson_ratio = 0.4;
-  Material m;
-  m.name = "rubber";
-  m.law = law;
-  return m;
-}
-
-Material soil(double friction_angle = 0.4) {
-  MohrCoulomb law;
-  law.youngs_modulus = young;
-  law.poisson_ratio = 0.3;
-  law.cohesion = 50e3;
-  law.friction_angle = friction_angle;
-  law.dilatancy_angle = 0.5 * friction_angle;
-  Material m;
-  m.name = "soil";
-  m.law = law;
-  return m;
-}
-
-Grid grid_of(Space space, GridKind kind) {
-  StructuredGrid s;
-  s.kind = kind;
-  s.cell_size = Vec3(h, h, h);
-  s.nx = s.ny = cells;
-  s.nz = space == Space::solid ? cells : 0;
-  s.origin = corner;
-  return make_structured_grid(s);
-}
-
-/// A block from a to b times h in every direction.
-void add_block(MpmDiscretisation& mpm, Space space, int body, const Material& material, double a, double b) {
-  const Vec3 low = corner + Vec3::Constant(a * h), high = corner + Vec3::Constant(b * h);
-  const Shape shape = space == Space::solid ? Shape(SolidShape{SolidBox{low, high}})
-                                            : Shape(PlaneShape{Box{in_plane(low), in_plane(high)}});
-  mpm.add_body(body, "block", material, seed_from_grid(Region(shape, h), mpm.grid(), {}, "block"), 1.0);
-}
-
-/// A block that cuts cells.
-std::unique_ptr<MpmDiscretisation> make(Space space, Formulation formulation, const Material& material,
-                                        Volumetric volumetric = Volumetric::f_bar) {
-  const GridKind kind = space == Space::solid ? GridKind::hexahedra : GridKind::quads;
-  auto mpm = std::make_unique<MpmDiscretisation>(grid_of(space, kind), space, 0.0, formulation, Comm{}, volumetric);
-  add_block(*mpm, space, 0, material, 0.37, cells - 0.57);
-  mpm->move_points(1.2);
-  mpm->begin_step({});
-  return mpm;
-}
-
-LawSettings settings_of(Space space, Kinematics kinematics) {
-  LawSettings s;
-  s.space = space;
-  s.kinematics = kinematics;
-  return s;
-}
-
-class Random {
-public:
-  NodalVector operator()(const MpmDiscretisation& mpm, double size) {
-    NodalVector u(mpm.n_nodes(), Vec3::Zero());
-    for (Vec3& v : u)
-      for (int d = 0; d < mpm.dimension(); ++d) v[d] = size * normal_(generator_);
-    return u;
-  }
-
-private:
-  std::mt19937 generator_{5};
-  std::normal_distribution<double> normal_;
-};
-
-Eigen::VectorXd force(MpmDiscretisation& mpm, const NodalVector& du, const LawSettings& settings) {
-  EXPECT_EQ(mpm.evaluate(du, settings), Status::ok);
-  NodalVector f(mpm.n_nodes(), Vec3::Zero());
-  mpm.add_internal_force(f);
-  const int d = mpm.dimension();
-  Eigen::VectorXd out(f.size() * d);
-  for (std::size_t i = 0; i < f.size(); ++i) out.segment(i * d, d) = f[i].head(d);
-  return out;
-}
-
-double energy(MpmDiscretisation& mpm, const NodalVector& du, const LawSettings& settings) {
-  EXPECT_EQ(mpm.evaluate(du, settings), Status::ok);
-  double sum = 0.0;
-  for (int p = 0; p < mpm.material.size(); ++p) sum += mpm.material.trial[p].stored_energy * mpm.material.volume[p];
-  return sum;
-}
-
-Eigen::MatrixXd tangent(MpmDiscretisation& mpm, const LawSettings& settings) {
-  BlockAssembler assembler;
-  assembler.build(mpm.blocks, mpm.n_nodes(), mpm.dimension());
-  const std::vector<char> fixed(std::size_t(mpm.n_nodes()) * mpm.dimension(), 0);
-  assembler.zero(fixed, mpm.halo.n_owned, 1.0);
-  mpm.add_tangent(settings, assembler);
-  const CsrMatrix& csr = assembler.matrix();
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(csr.n, csr.n);
-  for (int row = 0; row < csr.n; ++row)
-    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) = csr.value[k];
-  return K;
-}
-
-/// Central difference of a function of one component of du.
-template <class F>
-auto difference(const NodalVector& du, int component, int dimension, double eps, F f) {
-  NodalVector plus = du, minus = du;
-  plus[component / dimension][component % dimension] += eps;
-  minus[component / dimension][component % dimension] -= eps;
-  return ((f(plus) - f(minus)) / (2.0 * eps)).eval();
-}
-
-void accept(MpmDiscretisation& mpm, const NodalVector& du, const LawSettings& settings) {
-  force(mpm, du, settings);
-  mpm.commit(du, {});
-  mpm.move_points(1.2);
-  mpm.begin_step({});
-}
-
-double size_of(Kinematics kinematics) { return (kinematics == Kinematics::small ? 3e-3 : 0.03) * h; }
 
 /// In the first step, and in one from a deformed state.
 TEST(FBar, ForceIsTheDerivativeOfTheEnergy) {
@@ -195,14 +45,10 @@ TEST(FBar, TangentIsTheDerivativeOfTheForce) {
       const LawSettings settings = settings_of(space, kinematics);
       const double size = size_of(kinematics);
       for (int step = 0; step < 2; ++step) {
-        const int d = mpm->dimension(), n = d * mpm->n_nodes();
         const NodalVector du = random(*mpm, size);
         force(*mpm, du, settings);
         const Eigen::MatrixXd K = tangent(*mpm, settings);
-        Eigen::MatrixXd numerical(n, n);
-        for (int c = 0; c < n; ++c)
-          numerical.col(c) =
-              difference(du, c, d, 1e-6 * size, [&](const NodalVector& u) { return force(*mpm, u, settings); });
+        const Eigen::MatrixXd numerical = numerical_tangent(*mpm, du, settings, 1e-6 * size);
         EXPECT_LT((K - numerical).norm(), law.tolerance * K.norm()) << law.material.name << ", step " << step;
         if (!law.plastic) {
           EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
@@ -337,9 +183,7 @@ TEST(FBar, TrianglesAmongQuads) {
     const NodalVector du = random(mpm, 0.03 * h);
     force(mpm, du, settings);
     const Eigen::MatrixXd K = tangent(mpm, settings);
-    Eigen::MatrixXd numerical(K.rows(), K.cols());
-    for (int c = 0; c < K.cols(); ++c)
-      numerical.col(c) = difference(du, c, 2, 1e-6 * h, [&](const NodalVector& u) { return force(mpm, u, settings); });
+    const Eigen::MatrixXd numerical = numerical_tangent(mpm, du, settings, 1e-6 * h);
     EXPECT_LT((K - numerical).norm(), 1e-7 * K.norm());
   }
 }
