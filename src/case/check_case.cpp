@@ -279,7 +279,7 @@ private:
     for (const Stage& stage : c_.stages) {
       const Scope solver = part_of(stage, "solver"), dynamics = part_of(stage, "dynamics");
       if (stage.solver.linear == Solver::Linear::iterative)
-        solver.explain("linear", "model.volumetric = \"mixed\" has pressures among its unknowns: \"direct\"");
+        solver.explain("linear", "must be \"direct\" or \"automatic\" where model.volumetric = \"mixed\": pressures are among the unknowns");
       if (stage.steps.analysis != Analysis::dynamic) continue;
       if (stage.dynamics.integrator == Dynamics::Integrator::hht)
         dynamics.explain("integrator", "\"hht\" weighs forces of two instants, which model.volumetric = \"mixed\" does "

@@ -616,6 +616,7 @@ TEXT = {
 FINITE = ["model.kinematics=finite", "model.formulation=updated_lagrangian"]
 SMALL = ["model.kinematics=small", "model.formulation=total_lagrangian"]
 F_BAR = ["model.volumetric=f_bar"]
+MIXED = ["model.volumetric=mixed"]
 CHECKPOINTS = ["checkpoint.every_steps=5"]
 
 
@@ -843,6 +844,10 @@ class AnyNumberOfProcesses(Case):
         self.same("axisymmetric", [*FINITE, *F_BAR], counts=(4,))
         self.same("drawn_solid", [*F_BAR, "model.formulation=total_lagrangian"], history=1e-7, points=1e-7, counts=(2,))
 
+    def test_mixed(self):
+        self.same("drawn", MIXED, history=1e-7, points=1e-7)
+        self.same("drawn_solid", MIXED, history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 
@@ -957,6 +962,9 @@ class Continued(Case):
     def test_f_bar(self):
         total = [*F_BAR, "model.kinematics=finite", "model.formulation=total_lagrangian"]
         self.goes_on("axisymmetric", 2, 1, [*total, "steps.count=30"])
+
+    def test_mixed(self):
+        self.goes_on("drawn", 2, 1, MIXED)
 
     def test_in_another_folder(self):
         """Frames that are not there are not listed."""

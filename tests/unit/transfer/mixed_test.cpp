@@ -134,7 +134,7 @@ TEST(Mixed, CellsWithoutPointsHaveNoPressure) {
   EXPECT_EQ(mpm.active_cells().size(), 2u);
   EXPECT_EQ(mpm.scalar_nodes().size(), 4u);
   NodalVector du(mpm.n_nodes(), Vec3::Zero());
-  for (Vec3& v : du) v.x() = 0.2 * h;
+  for (Vec3& v : du) v.x() = 0.4 * h;
   for (int node : mpm.scalar_nodes()) du[node].setZero();
   accept(mpm, du, settings_of(Space::plane_strain, Kinematics::finite));
   mpm.locate(anchor);
