@@ -121,7 +121,7 @@ void BoundaryConditions::add_at(const Anchor& a, const Vec3& force, const Mat3& 
   for (int i = 0; i < s.n; ++i) f[s.node[i]] -= s.N[i] * force;
   if (!matrix) return;
   const int d = dimension_, width = d * s.n;
-  std::array<double, 9 * 20 * 20> K;
+  std::vector<double> K(std::size_t(width) * width);
   for (int i = 0; i < s.n; ++i)
     for (int j = 0; j < s.n; ++j)
       for (int p = 0; p < d; ++p)

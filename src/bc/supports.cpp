@@ -22,6 +22,8 @@ constexpr double inclined_penalty = 1e6;
 
 void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
   const Mesh& mesh = d.mesh();
+  const std::vector<Vec3>& places = d.node_places();
+  const int n_places = static_cast<int>(places.size());
   double youngs = 0.0;
   for (const Material& m : c.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
@@ -37,17 +39,17 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
       group = &found->second;
     }
     bool any = false;
-    const int n = group ? static_cast<int>(group->size()) : mesh.n_nodes();
+    const int n = group ? static_cast<int>(group->size()) : n_places;
     for (int k = 0; k < n; ++k) {
       const int node = group ? (*group)[k] : k;
-      if (!inside(spec.where, mesh.nodes[node])) continue;
+      if (!inside(spec.where, places[node])) continue;
       any = true;
-      const Vec3& at = mesh.nodes[node];
+      const Vec3& at = places[node];
       for (int i = 0; i < dimension_; ++i)
         if (spec.u[i]) prescribe(node, at, i, static_cast<int>(b));
       if (spec.normal)
         for (int field = 0; field < d.n_fields(); ++field)
-          inclined_.push_back({node + field * mesh.n_nodes(), static_cast<int>(b),
+          inclined_.push_back({node + field * n_places, static_cast<int>(b),
                                stiffness * depth(c.space, c.thickness, at.x()), 0.0});
     }
     if (!any)
@@ -58,7 +60,7 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
   std::erase_if(inclined_, [&](const InclinedNode& n) {
     int prescribed = 0;
     for (int i = 0; i < dimension_; ++i)
-      for (const int b : boundaries_at_[{n.node % mesh.n_nodes(), i}])
+      for (const int b : boundaries_at_[{n.node % n_places, i}])
         if (share_a_stage(case_.boundaries[b].stages, case_.boundaries[n.boundary].stages)) {
           ++prescribed;
           break;
@@ -91,7 +93,7 @@ void BoundaryConditions::find_prescribed(const Discretisation& d) {
     const NodeCondition& c = conditions_[k];
     if (!acts(case_.boundaries[c.boundary].stages)) continue;
     for (int field = 0; field < d.n_fields(); ++field) {
-      const int node = d.halo.find(c.node + std::int64_t(field) * d.mesh().n_nodes());
+      const int node = d.halo.find(c.node + std::int64_t(field) * static_cast<std::int64_t>(d.node_places().size()));
       if (node >= 0 && taken.insert({node, c.component}).second)
         local_conditions_.emplace_back(static_cast<int>(k), node);
     }

@@ -23,6 +23,8 @@ enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
 /// Volumetric strain of a point: its own, the mean over the points of its cell, or that of a pressure at the nodes.
 enum class Volumetric { standard, f_bar, mixed };
+/// On the background grid.
+enum class ShapeFunctions { linear, quadratic_bspline, cubic_bspline };
 
 /// Names of the stages in which something acts; empty: in all.
 using Stages = std::vector<std::string>;
@@ -272,6 +274,7 @@ struct Case {
   double thickness = 1.0;                                     ///< of plane models [m]
   VectorFunction gravity;                                     ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)
+  ShapeFunctions shape_functions = ShapeFunctions::linear;    ///< mpm only
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<NodeBoundary> boundaries;

@@ -57,6 +57,7 @@ struct GridInput {
   std::string file;
   StructuredGrid structured;
   std::optional<Vec3> size;
+  ShapeFunctions shape_functions = ShapeFunctions::linear;
 };
 
 constexpr Range cells_range = {1.0, 100000.0};
@@ -99,6 +100,8 @@ void check_grid(Scope& scope, GridInput& g) {
   if (scope.has("file")) return;
   scope.exactly_one({"cell_size", "size"});
   const StructuredGrid& s = g.structured;
+  if (g.shape_functions != ShapeFunctions::linear && s.kind != GridKind::quads && s.kind != GridKind::hexahedra)
+    scope.explain("shape_functions", "B-splines need a grid of quads or hexahedra");
   if (g.size) g.structured.cell_size = g.size->cwiseQuotient(Vec3(s.nx, s.ny, std::max(s.nz, 1)));
 }
 
@@ -122,6 +125,13 @@ const Table<GridInput>& grid_table() {
         .only_without("file");
     t.custom(cells_info(), read_cells).required().only_without("file");
     t.custom(cell_size_info(), read_cell_size).only_without("file");
+    t.choice("shape_functions", &GridInput::shape_functions,
+             Words<ShapeFunctions>{{"linear", ShapeFunctions::linear},
+                                   {"quadratic_bspline", ShapeFunctions::quadratic_bspline},
+                                   {"cubic_bspline", ShapeFunctions::cubic_bspline}},
+             "of the displacements; B-splines (quads and hexahedra) have no jumps of the gradient, where points that cross "
+             "cells lose accuracy; supports of nodes ([boundary.NAME]) then have to lie on the edges of the grid")
+        .only_without("file");
     t.vector("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
         .only_without("file");
     t.number(
@@ -139,6 +149,7 @@ void read_grid(Scope& scope, Node::Entry& entry, Case& c) {
   if (!child) return;
   GridInput g;
   grid_table().read(*child, g);
+  c.shape_functions = g.shape_functions;
   if (g.file.empty()) {
     c.grid = g.structured;
   } else {

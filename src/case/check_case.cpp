@@ -274,6 +274,8 @@ private:
             .explain("law", "does not go with model.volumetric = \"mixed\", which is for elastic and plastic laws with "
                             "constant elastic moduli");
     }
+    if (c_.shape_functions != ShapeFunctions::linear)
+      at("grid").explain("shape_functions", "model.volumetric = \"mixed\" is for linear ones; B-splines: \"f_bar\"");
     if (c_.control.kind == Control::Kind::gauge)
       at("control").explain("gauge", "does not go with model.volumetric = \"mixed\"");
     for (const Stage& stage : c_.stages) {

@@ -339,8 +339,8 @@ void FemDiscretisation::attach(Anchor& a) const {
   fem::local_coordinates(mesh_, a.cell, a.X, xi);
   const fem::ElementShape shape = fem::element_shape(mesh_.kinds[a.cell], xi);
   a.block = block;
-  a.stencil.n = shape.n;
-  a.stencil.N = shape.N;
+  a.stencil.resize(shape.n);
+  std::copy_n(shape.N.begin(), shape.n, a.stencil.N.begin());
   const Mat3 by_X = fem::jacobian(mesh_, a.cell, shape).inverse().transpose();
   for (int k = 0; k < shape.n; ++k) a.stencil.gradient[k] = by_X * shape.dN[k];
   if (space_ == Space::axisymmetric) {

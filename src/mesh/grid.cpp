@@ -280,6 +280,7 @@ Grid make_structured_grid(const StructuredGrid& spec) {
   grid.neighbours = boxes ? box_neighbours(spec) : cell_neighbours(mesh);
   if (boxes && spec.angle == 0.0) grid.boxes = std::make_unique<StructuredGrid>(spec);
   grid.locator = std::make_unique<StructuredLocator>(spec);
+  grid.structure = std::make_unique<StructuredGrid>(spec);
   return grid;
 }
 

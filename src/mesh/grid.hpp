@@ -36,6 +36,7 @@ struct Grid {
   std::unique_ptr<CellLocator> locator;
   /// Axis-parallel boxes of equal size: the grid's own description, which clips bodies and finds cells faster.
   std::unique_ptr<StructuredGrid> boxes;
+  std::unique_ptr<StructuredGrid> structure;  ///< what a structured grid was made from
 
   int dimension() const { return mesh.dimension(); }
 };

@@ -65,11 +65,12 @@ class Discretisation {
 public:
   virtual ~Discretisation() = default;
 
-  /// The mesh that all nodes belong to, whole on every process: background grid (mpm), meshes of all bodies (fem). Node
-  /// ids of the halo are its node numbers.
+  /// The mesh of cells, whole on every process: background grid (mpm), meshes of all bodies (fem).
   virtual const Mesh& mesh() const = 0;
   int dimension() const { return mesh().dimension(); }
-  /// Fields that a node of the mesh may belong to; ids of the halo are node numbers plus field times number of nodes.
+  /// Where the nodes are that the unknowns belong to: of the mesh, unless the shape functions have others.
+  virtual const std::vector<Vec3>& node_places() const { return mesh().nodes; }
+  /// Fields that a node may belong to; ids of the halo are numbers of node_places() plus field times how many there are.
   virtual int n_fields() const { return 1; }
   /// Where fields meet in this step: those that this process owns.
   virtual const std::vector<Interface>& interfaces() const {

@@ -1,19 +1,27 @@
 #pragma once
 /// The nodes that a point talks to.
 
-#include <array>
+#include <vector>
 
 #include "base/tensor.hpp"
 
 namespace berm {
 
-/// Interpolation at one point: value = sum N[k] field[node[k]]. 20 nodes: quadratic hexahedra of the FEM reference.
+/// Interpolation at one point: value = sum N[k] field[node[k]].
 struct Stencil {
   int n = 0;
-  std::array<int, 20> node{};
-  std::array<double, 20> N{};
-  std::array<Vec3, 20> gradient;  ///< of N [1/m]
-  std::array<double, 20> hoop{};  ///< around an axis: hoop strain of a unit radial displacement [1/m]; else 0
+  std::vector<int> node;
+  std::vector<double> N;
+  std::vector<Vec3> gradient;  ///< of N [1/m]
+  std::vector<double> hoop;    ///< around an axis: hoop strain of a unit radial displacement [1/m]; else 0
+
+  void resize(int nodes) {
+    n = nodes;
+    node.resize(n);
+    N.resize(n);
+    gradient.resize(n);
+    hoop.assign(n, 0.0);
+  }
 
   template <class Field>
   Vec3 interpolate(const Field& field) const {

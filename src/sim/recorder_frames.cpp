@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "fem/fem.hpp"
 #include "sim/recorder.hpp"
@@ -113,20 +114,23 @@ VtuData Recorder::mesh_data() const {
 
   VtuData data;
   std::vector<double> displacement, fill, stress, damage;
-  std::vector<int> body, number(d.n_nodes(), -1);
+  std::vector<int> body;
+  std::map<int, int> number;  // of corners; where fields of a grid meet each has its own
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const int cell = cells[k];
-    for (const int node : d.blocks[static_cast<int>(k)]) {
-      if (number[node] < 0) {
-        number[node] = static_cast<int>(data.points.size());
+    const int cell = cells[k], grid_cell = mpm ? mpm->grid_cell(cell) : cell;
+    const int field = mpm ? cell / mesh.n_cells() : 0;
+    const std::span<const int> corners = mpm ? mesh.nodes_of_cell(grid_cell) : d.blocks[static_cast<int>(k)];
+    for (const int node : corners) {
+      const auto [at, added] = number.try_emplace(node + field * mesh.n_nodes(), static_cast<int>(data.points.size()));
+      if (added) {
         const Vec3 u = fem ? fem->displacement()[node] : Vec3::Zero();
-        data.points.push_back(d.nodes[node] + u);
+        data.points.push_back(fem ? Vec3(d.nodes[node] + u) : mesh.nodes[node]);
         displacement.insert(displacement.end(), u.data(), u.data() + 3);
       }
-      data.connectivity.push_back(number[node]);
+      data.connectivity.push_back(at->second);
     }
     data.offsets.push_back(static_cast<int>(data.connectivity.size()));
-    data.types.push_back(vtk_type(mesh.kinds[mpm ? mpm->grid_cell(cell) : cell]));
+    data.types.push_back(vtk_type(mesh.kinds[grid_cell]));
     double volume = 0.0, sum = 0.0;
     Voigt s = Voigt::Zero();
     auto add = [&](int p) {

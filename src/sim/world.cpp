@@ -85,10 +85,14 @@ Grid make_grid(const Case& c) {
   return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
 }
 
+int degree_of(ShapeFunctions functions) {
+  return functions == ShapeFunctions::linear ? 1 : functions == ShapeFunctions::quadratic_bspline ? 2 : 3;
+}
+
 void build_mpm(World& w) {
   const Case& c = w.spec;
   auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
-                                                 c.volumetric);
+                                                 c.volumetric, degree_of(c.shape_functions));
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);

@@ -9,7 +9,8 @@
 #include "base/error.hpp"
 #include "method/crack_band.hpp"
 #include "method/depth.hpp"
-#include "shape/linear.hpp"
+#include "mesh/cell_map.hpp"
+#include "shape/quadrature.hpp"
 
 namespace berm {
 namespace {
@@ -25,9 +26,10 @@ constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1;
 }  // namespace
 
 MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalty, Formulation formulation,
-                                     const Comm& comm, Volumetric volumetric)
+                                     const Comm& comm, Volumetric volumetric, int degree)
     : Discretisation(comm),
       grid_(std::move(grid)),
+      basis_(grid_, degree),
       space_(space),
       ghost_penalty_(ghost_penalty),
       total_lagrangian_(formulation == Formulation::total_lagrangian),
@@ -38,16 +40,14 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
         "[model] volumetric = \"f_bar\" needs a background grid of quads or hexahedra: the strain of a linear triangle "
         "or tetrahedron is uniform already, its mean changes nothing");
   double sum = 0.0;
-  int most_nodes = 0;
   for (int c = 0; c < grid_.mesh.n_cells(); ++c) {
     const CellKind kind = grid_.mesh.kinds[c];
     const double edge = edge_length(kind, cell_measure(grid_.mesh, c));
     sum += dimension() == 3 ? edge * edge * edge : edge * edge;
-    most_nodes = std::max(most_nodes, nodes_of(kind));
   }
   set_fields({}, 1);
   cell_size_ = std::pow(sum / grid_.mesh.n_cells(), 1.0 / dimension());
-  stride_ = most_nodes * (1 + dimension());
+  stride_ = basis_.most_nodes() * (1 + dimension());
 }
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
@@ -95,7 +95,7 @@ void MpmDiscretisation::set_fields(std::vector<int> field_of_body, int n_fields)
   field_of_body_ = std::move(field_of_body);
   n_fields_ = n_fields;
   active_index_.assign(std::size_t(n_fields) * grid_.mesh.n_cells(), -1);
-  local_node_.assign(std::size_t(mixed_ ? 2 : 1) * n_fields * grid_.mesh.n_nodes(), -1);
+  local_node_.assign(std::size_t(mixed_ ? 2 : 1) * n_fields * basis_.n_nodes(), -1);
 }
 
 // ---- points and processes
@@ -284,10 +284,10 @@ void MpmDiscretisation::evaluate_shapes() {
   push_.resize(x_.size(), Mat3::Identity());
   const int d = dimension();
   comm_.agree([&] {
-    Shape8 shape{};
+    BasisAt shape;
     for (std::size_t a = 0; a < active_cells_.size(); ++a)
       for (int p : points_in(static_cast<int>(a))) {
-        if (!linear_shape(grid_.mesh, grid_cell(active_cells_[a]), seen(p), shape))
+        if (!basis_.evaluate(grid_cell(active_cells_[a]), seen(p), shape))
           throw RunError(fmt::format("cell {} of the background grid is too distorted", grid_cell(active_cells_[a])));
         double* s = shape_.data() + std::size_t(p) * stride_;
         s = std::copy_n(shape.N.begin(), shape.n, s);
@@ -364,64 +364,59 @@ MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int 
   const Mesh& mesh = grid_.mesh;
   const int grid_a = grid_cell(cell_a), grid_b = grid_cell(cell_b);
   const FaceCorners& corner = faces_of(mesh.kinds[grid_a])[local];
-  const double g = 1.0 / std::sqrt(3.0);
   std::array<Vec3, 4> p;
   for (int k = 0; k < corner.n; ++k) p[k] = mesh.nodes[mesh.cell(grid_a)[corner.corner[k]]];
 
   Face face;
   face.cell_a = cell_a;
   face.cell_b = cell_b;
+  const std::vector<std::pair<double, double>> rule = gauss_line(basis_.degree() + 1);
   Vec3 normal;
   double area = 0.0;
-  std::array<Vec3, most_face_points> at;
+  std::vector<std::pair<Vec3, double>> at;  // places and shares of the area
   if (dimension() == 2) {
     const Vec3 along = p[1] - p[0];
     area = along.norm();
     normal = Vec3(along.y(), -along.x(), 0.0) / area;
-    face.n_points = 2;
-    for (int q = 0; q < 2; ++q) at[q] = 0.5 * (p[0] + p[1]) + (q == 0 ? -0.5 : 0.5) * g * along;
+    for (const auto& [xi, weight] : rule) at.emplace_back(0.5 * (p[0] + p[1]) + 0.5 * xi * along, 0.5 * weight);
   } else if (corner.n == 3) {  // gradients are constant: one point
     const Vec3 twice = (p[1] - p[0]).cross(p[2] - p[0]);
     area = 0.5 * twice.norm();
     normal = twice.normalized();
-    face.n_points = 1;
-    at[0] = (p[0] + p[1] + p[2]) / 3.0;
+    at.emplace_back((p[0] + p[1] + p[2]) / 3.0, 1.0);
   } else {
     const Vec3 twice = (p[2] - p[0]).cross(p[3] - p[1]);
     area = 0.5 * twice.norm();
     normal = twice.normalized();
-    face.n_points = 4;
-    for (int q = 0; q < 4; ++q) {
-      const double xi = g * corner_sign[q][0], eta = g * corner_sign[q][1];
-      at[q].setZero();
-      for (int k = 0; k < 4; ++k)
-        at[q] += 0.25 * (1.0 + corner_sign[k][0] * xi) * (1.0 + corner_sign[k][1] * eta) * p[k];
-    }
+    for (const auto& [xi, wx] : rule)
+      for (const auto& [eta, wy] : rule) {
+        Vec3 place = Vec3::Zero();
+        for (int k = 0; k < 4; ++k)
+          place += 0.25 * (1.0 + corner_sign[k][0] * xi) * (1.0 + corner_sign[k][1] * eta) * p[k];
+        at.emplace_back(place, 0.25 * wx * wy);
+      }
   }
   // Length of the face: the h of (14).
   const double h = dimension() == 2 ? area : std::sqrt(corner.n == 3 ? 2.0 * area : area);
   // Around an axis the face is a ring; the thickness of the plane is in the penalty.
   const double ring = depth(space_, 1.0, 0.5 * (p[0].x() + p[1].x()));
-  const double root = std::sqrt(penalty * h * area / face.n_points * ring);
+  const double factor = penalty * std::pow(h, 2 * basis_.degree() - 1) * area * ring;
 
-  Shape8 sa{}, sb{};
-  for (int q = 0; q < face.n_points; ++q) {
-    linear_shape(mesh, grid_a, at[q], sa);
-    linear_shape(mesh, grid_b, at[q], sb);
-    if (q == 0) {
-      std::copy_n(sa.nodes.begin(), sa.n, face.node.begin());
-      face.n = sa.n;
-      for (int k = 0; k < sb.n; ++k)
-        if (std::find(sa.nodes.begin(), sa.nodes.begin() + sa.n, sb.nodes[k]) == sa.nodes.begin() + sa.n)
-          face.node[face.n++] = sb.nodes[k];
-    }
-    auto& jump = face.jump[q];
-    jump.fill(0.0);
-    for (int k = 0; k < face.n; ++k) {
-      for (int i = 0; i < sa.n; ++i)
-        if (sa.nodes[i] == face.node[k]) jump[k] += root * sa.grad[i].dot(normal);
-      for (int i = 0; i < sb.n; ++i)
-        if (sb.nodes[i] == face.node[k]) jump[k] -= root * sb.grad[i].dot(normal);
+  BasisAt side;
+  for (const auto& [place, share] : at) {
+    const double root = std::sqrt(factor * share);
+    std::vector<double>& jump = face.jump.emplace_back(face.node.size(), 0.0);
+    for (const int cell : {grid_a, grid_b}) {
+      basis_.highest_derivative(cell, place, normal, side);
+      for (int k = 0; k < side.n; ++k) {
+        auto found = std::find(face.node.begin(), face.node.end(), side.nodes[k]);
+        if (found == face.node.end()) {
+          face.node.push_back(side.nodes[k]);
+          jump.push_back(0.0);
+          found = face.node.end() - 1;
+        }
+        jump[found - face.node.begin()] += (cell == grid_a ? root : -root) * side.N[k];
+      }
     }
   }
   return face;
@@ -443,48 +438,49 @@ void MpmDiscretisation::number_nodes() {
   numbered_ = true;
   ++connectivity;
 
-  const Mesh& mesh = grid_.mesh;
   std::vector<char> touched(local_node_.size(), 0);
-  const auto layered_node = [&](int node, int layered_cell) { return node + field_of(layered_cell) * mesh.n_nodes(); };
+  const int layer = basis_.n_nodes();
+  const auto layered_node = [&](int node, int layered_cell) { return node + field_of(layered_cell) * layer; };
   for (int c : active_cells_)
-    for (int node : mesh.nodes_of_cell(grid_cell(c))) touched[layered_node(node, c)] = 1;
+    for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
-    for (int k = 0; k < f.n; ++k) touched[layered_node(f.node[k], f.cell_a)] = 1;
+    for (int node : f.node) touched[layered_node(node, f.cell_a)] = 1;
   for (int a : numbered_filled_)
-    for (int node : mesh.nodes_of_cell(grid_cell(active_cells_[a])))
-      touched[layered_node(node, active_cells_[a]) + n_fields_ * mesh.n_nodes()] = 1;  // its pressure
+    for (int node : basis_.nodes_of(grid_cell(active_cells_[a])))
+      touched[layered_node(node, active_cells_[a]) + n_fields_ * layer] = 1;  // its pressure
   std::vector<std::int64_t> ids;
   for (std::size_t node = 0; node < touched.size(); ++node)
     if (touched[node]) ids.push_back(static_cast<std::int64_t>(node));
   for (std::int64_t id : halo.ids) local_node_[id] = -1;
-  halo = build_halo(comm_, ids, [&](std::int64_t id) { return partition_.owner(mesh.nodes[id % mesh.n_nodes()]); });
+  halo = build_halo(comm_, ids, [&](std::int64_t id) { return partition_.owner(basis_.places()[id % layer]); });
   nodes.clear();
   for (int i = 0; i < halo.size(); ++i) {
     local_node_[halo.ids[i]] = i;
-    nodes.push_back(mesh.nodes[halo.ids[i] % mesh.n_nodes()]);
+    nodes.push_back(basis_.places()[halo.ids[i] % layer]);
   }
 
   blocks = Blocks{};
-  std::array<int, most_face_nodes> list;
-  const auto add_block = [&](const int* grid_nodes, int n, int cell) {
-    for (int k = 0; k < n; ++k) list[k] = local_node_[layered_node(grid_nodes[k], cell)];
-    blocks.add({list.data(), static_cast<std::size_t>(n)});
+  std::vector<int> list;
+  const auto add_block = [&](std::span<const int> own, int cell) {
+    list.clear();
+    for (int node : own) list.push_back(local_node_[layered_node(node, cell)]);
+    blocks.add(list);
   };
-  for (int c : active_cells_) add_block(mesh.cell(grid_cell(c)), nodes_of(mesh.kinds[grid_cell(c)]), c);
-  for (const Face& f : faces_) add_block(f.node.data(), f.n, f.cell_a);
+  for (int c : active_cells_) add_block(basis_.nodes_of(grid_cell(c)), c);
+  for (const Face& f : faces_) add_block(f.node, f.cell_a);
   add_pressure_blocks();
   pair_nodes();
 }
 
 void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) const {
-  Shape8 shape{};
+  BasisAt shape;
   for (Anchor* a : anchors) {
-    linear_shape(grid_.mesh, a->cell, seen(*a), shape);
+    basis_.evaluate(a->cell, seen(*a), shape);
     const int layered = layered_cell(a->cell, a->body);
     a->block = active_index_[layered];
-    a->stencil.n = shape.n;
+    a->stencil.resize(shape.n);
     for (int k = 0; k < shape.n; ++k) {
-      a->stencil.node[k] = local_node_[shape.nodes[k] + field_of(layered) * grid_.mesh.n_nodes()];
+      a->stencil.node[k] = local_node_[shape.nodes[k] + field_of(layered) * basis_.n_nodes()];
       a->stencil.N[k] = shape.N[k];
       a->stencil.gradient[k] = shape.grad[k];
       if (space_ == Space::axisymmetric) {
@@ -508,6 +504,21 @@ void MpmDiscretisation::with_space(Work work) const {
     work.template operator()<2, false>();
 }
 
+template <int dimension, class Work>
+void MpmDiscretisation::with_nodes(int n, Work work) {
+  if constexpr (dimension == 2) {
+    if (n == 3) return work.template operator()<3>();
+    if (n == 4) return work.template operator()<4>();
+    if (n == 9) return work.template operator()<9>();
+    work.template operator()<16>();
+  } else {
+    if (n == 4) return work.template operator()<4>();
+    if (n == 8) return work.template operator()<8>();
+    if (n == 27) return work.template operator()<27>();
+    work.template operator()<64>();
+  }
+}
+
 /// Hoop strain of a unit radial displacement of node k: N / r, on the axis its limit dN/dr.   [formulation (27)]
 double MpmDiscretisation::hoop_gradient(const double* s, int n, double r, int k) const {
   return r > 1e-9 * cell_size_ ? s[k] / r : s[n + 2 * k];
@@ -517,7 +528,7 @@ double MpmDiscretisation::hoop_gradient(const double* s, int n, double r, int k)
 /// small strain: F_{n+1} = F_n + grad du on the frozen configuration; total: by reference coordinates, (25).
 template <int dimension, bool hoop>
 void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinematics) {
-  std::array<Vec3, 8> d;
+  std::array<Vec3, BasisAt::most> d;
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     const int n = static_cast<int>(list.size());
@@ -559,7 +570,7 @@ Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& set
 /// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part; mixed (50)]
 template <int dimension, bool hoop>
 void MpmDiscretisation::internal_force(NodalVector& f) const {
-  std::array<Vec3, 8> sum;
+  std::array<Vec3, BasisAt::most> sum;
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const std::span<const int> list = blocks[static_cast<int>(a)];
     const int n = static_cast<int>(list.size());
@@ -632,25 +643,21 @@ void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, do
 
 template <int dimension, bool hoop>
 void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& matrix) const {
-  alignas(64) double K[24 * 24];
+  const std::size_t width = std::size_t(dimension) * basis_.most_nodes();
+  std::vector<double> K(width * width);
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int block = static_cast<int>(a);
-    const bool simplex = is_simplex(grid_.mesh.kinds[grid_cell(active_cells_[a])]);
-    constexpr int corners = dimension == 3 ? 8 : 4;
-    if (mixed_ && pressure_block_[a] >= 0) {
-      if (simplex)
-        mixed_tangent<dimension, hoop, dimension + 1>(block, settings, matrix);
-      else
-        mixed_tangent<dimension, hoop, corners>(block, settings, matrix);
-      continue;
-    }
-    if (simplex)
-      cell_tangent<dimension, hoop, dimension + 1>(block, settings, K);
-    else if (f_bar_)
-      f_bar_tangent<dimension, hoop, corners>(block, settings, K);
-    else
-      cell_tangent<dimension, hoop, corners>(block, settings, K);
-    matrix.add(block, K);
+    with_nodes<dimension>(static_cast<int>(blocks[block].size()), [&]<int n>() {
+      if constexpr (n <= (1 << dimension))
+        if (mixed_ && pressure_block_[a] >= 0) return mixed_tangent<dimension, hoop, n>(block, settings, matrix);
+      bool done = false;
+      if constexpr (n > dimension + 1) {
+        if (f_bar_) f_bar_tangent<dimension, hoop, n>(block, settings, K.data());
+        done = f_bar_;
+      }
+      if (!done) cell_tangent<dimension, hoop, n>(block, settings, K.data());
+      matrix.add(block, K.data());
+    });
   }
 }
 
@@ -661,22 +668,21 @@ void MpmDiscretisation::add_tangent(const LawSettings& settings, BlockAssembler&
 /// j(du, w) = sum_faces gamma E h int [d_n du] . [d_n w] ds   [formulation (14)]
 void MpmDiscretisation::add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const {
   const int d = dimension();
-  std::array<double, 9 * most_face_nodes * most_face_nodes> K;
+  std::vector<double> K;
   for (const Face& face : faces_) {
     const std::span<const int> list = blocks[face.block];
-    const int n = face.n, width = d * n;
-    for (int q = 0; q < face.n_points; ++q) {
-      const auto& jump = face.jump[q];
+    const int n = static_cast<int>(face.node.size()), width = d * n;
+    for (const auto& jump : face.jump) {
       Vec3 total = Vec3::Zero();
       for (int k = 0; k < n; ++k) total += jump[k] * du[list[k]];
       for (int k = 0; k < n; ++k) f[list[k]] += jump[k] * total;
     }
     if (!matrix) continue;
-    std::fill_n(K.begin(), width * width, 0.0);
+    K.assign(std::size_t(width) * width, 0.0);
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j) {
         double value = 0.0;
-        for (int q = 0; q < face.n_points; ++q) value += face.jump[q][i] * face.jump[q][j];
+        for (const auto& jump : face.jump) value += jump[i] * jump[j];
         for (int c = 0; c < d; ++c) K[(d * i + c) * width + d * j + c] = value;
       }
     matrix->add(face.block, K.data());

@@ -10,16 +10,17 @@
 #include "mesh/grid.hpp"
 #include "method/discretisation.hpp"
 #include "points/seeding.hpp"
+#include "shape/grid_basis.hpp"
 
 namespace berm {
 
 class MpmDiscretisation final : public Discretisation {
 public:
-  /// ghost_penalty: factor on E of the face stabilisation, 0 for none. Throws InputError if the volumetric strain is to
-  /// be averaged over cells of which none is a quad or a hexahedron.
+  /// ghost_penalty: factor on E of the face stabilisation, 0 for none; degree: of the shape functions (GridBasis). Throws
+  /// InputError if the volumetric strain is to be averaged over cells of which none is a quad or a hexahedron.
   MpmDiscretisation(Grid grid, Space space, double ghost_penalty,
                     Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {},
-                    Volumetric volumetric = Volumetric::standard);
+                    Volumetric volumetric = Volumetric::standard, int degree = 1);
 
   /// Adds the points of one body; every process gives all of them, process 0 keeps them until the first move_points.
   /// Throws InputError if a point lies outside of the grid or its cell is too large for the law's fracture energy.
@@ -35,6 +36,7 @@ public:
   const std::vector<int>& scalar_nodes() const override { return scalar_nodes_; }
 
   const Mesh& mesh() const override { return grid_.mesh; }
+  const std::vector<Vec3>& node_places() const override { return basis_.places(); }
   void move_points(double rebalance) override;
   int locate(Anchor& anchor) const override;
   void begin_step(const std::vector<Anchor*>& anchors) override;
@@ -90,16 +92,14 @@ private:
   struct Group {
     int active, begin, end;  ///< points order_[begin..end-1] of the active cell
   };
-  static constexpr int most_cell_nodes = 8;
-  static constexpr int most_face_nodes = 12, most_face_points = 4;
-  /// A face between two active cells, one of them cut: jump of the normal derivative of the shape functions.
+  /// A face between two active cells, one of them cut: jump of the first normal derivative of the shape functions that has
+  /// one.
   struct Face {
     int block = -1;
     int cell_a = 0, cell_b = 0;  ///< layered
-    int n = 0, n_points = 0;
-    std::array<int, most_face_nodes> node;  ///< of the grid
-    /// At each point of the face: sqrt(gamma E h times the area that the point stands for), and the jumps times it.
-    std::array<std::array<double, most_face_nodes>, most_face_points> jump;
+    std::vector<int> node;       ///< of the basis
+    /// At each point of the face, by node: the jump times sqrt(gamma E h^(2 degree - 1) times the area of the point).
+    std::vector<std::vector<double>> jump;
   };
 
   void write_row(int p, double* row) const;
@@ -172,10 +172,13 @@ private:
   /// Calls work.operator()<dimension, hoop>().
   template <class Work>
   void with_space(Work work) const;
+  /// Calls work.operator()<n>() with the number of nodes of a cell.
+  template <int dimension, class Work>
+  static void with_nodes(int n, Work work);
 
   std::span<const int> points_in(const Group& g) const { return {order_.data() + g.begin, order_.data() + g.end}; }
   const double* mean_divergence(std::size_t group) const {
-    return mean_divergence_.data() + group * dimension() * most_cell_nodes;
+    return mean_divergence_.data() + group * dimension() * basis_.most_nodes();
   }
 
   /// Shape functions of a point at t_n: n values, then n gradients.
@@ -183,6 +186,7 @@ private:
   double hoop_gradient(const double* s, int n, double r, int k) const;
 
   Grid grid_;
+  GridBasis basis_;
   Space space_;
   double ghost_penalty_ = 0.0;
   bool total_lagrangian_ = false;

@@ -29,7 +29,7 @@ void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
 /// Pairs of nodes of different fields at the same place, and their blocks.
 void MpmDiscretisation::pair_nodes() {
   interfaces_.clear();
-  const int n = grid_.mesh.n_nodes();
+  const int n = basis_.n_nodes();
   for (int node = 0; node < halo.n_owned; ++node) {
     const std::int64_t id = halo.ids[node];
     for (int field = static_cast<int>(id / n) + 1; field < n_fields_; ++field) {

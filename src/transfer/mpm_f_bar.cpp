@@ -29,7 +29,7 @@ void MpmDiscretisation::group_points() {
   }
   share_.resize(x_.size());
   trial_stretch_.assign(x_.size(), 1.0);
-  mean_divergence_.resize(groups_.size() * dimension() * most_cell_nodes);
+  mean_divergence_.resize(groups_.size() * dimension() * basis_.most_nodes());
 }
 
 /// The deformation gradient at t_n that belongs to the displacements (total Lagrangian).   [formulation (43)]
@@ -58,7 +58,7 @@ void MpmDiscretisation::divergence(int p, int n, double* c) const {
 Status MpmDiscretisation::average_dilatation() {
   const int m = volumetric_directions();
   const bool small = kinematics_ == Kinematics::small;
-  std::vector<double> own, c(std::size_t(dimension()) * most_cell_nodes);
+  std::vector<double> own, c(std::size_t(dimension()) * basis_.most_nodes());
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const std::span<const int> points = points_in(groups_[g]);
     own.clear();
@@ -78,7 +78,7 @@ Status MpmDiscretisation::average_dilatation() {
     }
     const double mean = after / before, total = small ? before : after;
     const int n = static_cast<int>(blocks[groups_[g].active].size()), width = dimension() * n;
-    double* b = mean_divergence_.data() + g * dimension() * most_cell_nodes;
+    double* b = mean_divergence_.data() + g * dimension() * basis_.most_nodes();
     std::fill_n(b, width, 0.0);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const int p = points[k];
@@ -143,13 +143,15 @@ void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, d
           for (int j = 0; j < dimension; ++j) t += tau(i, j) * B.row(dimension * i + j);
         if constexpr (hoop) t += tau(2, 2) * B.row(components - 1);
         const double mean = mean_stress_volume(p), of_mean = pressure * share_[p];
-        K += (t.transpose() * theta + theta.transpose() * t + mean * theta.transpose() * theta) / m;
-        K += of_mean * c.transpose() * c;
+        const Row half = (2.0 * t + mean * theta) / (2.0 * m);  // t theta + theta t + mean theta theta, over m
+        K.noalias() += half.transpose() * theta;
+        K.noalias() += theta.transpose() * half;
+        K.noalias() += of_mean * c.transpose() * c;
         // sum_ij l_ij l_ji: what turns the gradients of the trial configuration.
         for (int i = 0; i < dimension; ++i)
           for (int j = 0; j < dimension; ++j)
-            K += (mean - of_mean) * B.row(dimension * i + j).transpose() * B.row(dimension * j + i);
-        if constexpr (hoop) K += (mean - of_mean) * B.row(components - 1).transpose() * B.row(components - 1);
+            K.noalias() += (mean - of_mean) * B.row(dimension * i + j).transpose() * B.row(dimension * j + i);
+        if constexpr (hoop) K.noalias() += (mean - of_mean) * B.row(components - 1).transpose() * B.row(components - 1);
       }
       for (int i = 0; i < dimension; ++i) B.row(dimension * i + i) += theta / m;
       if constexpr (hoop) B.row(components - 1) += theta / m;
@@ -157,12 +159,18 @@ void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, d
       a *= material.volume[p];
       K.noalias() += B.transpose() * (a * B);
     }
-    if (finite) K -= pressure * b.transpose() * b;
+    if (finite) K.noalias() -= pressure * b.transpose() * b;
   }
 }
 
 template void MpmDiscretisation::f_bar_tangent<2, false, 4>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<2, false, 9>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<2, false, 16>(int, const LawSettings&, double*) const;
 template void MpmDiscretisation::f_bar_tangent<2, true, 4>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<2, true, 9>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<2, true, 16>(int, const LawSettings&, double*) const;
 template void MpmDiscretisation::f_bar_tangent<3, false, 8>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<3, false, 27>(int, const LawSettings&, double*) const;
+template void MpmDiscretisation::f_bar_tangent<3, false, 64>(int, const LawSettings&, double*) const;
 
 }  // namespace berm

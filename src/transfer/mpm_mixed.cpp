@@ -38,10 +38,10 @@ void MpmDiscretisation::add_pressure_blocks() {
   scalar_nodes_.clear();
   pressure_block_.assign(active_cells_.size(), -1);
   if (!mixed_) return;
-  const int layers = n_fields_ * grid_.mesh.n_nodes();
+  const int layers = n_fields_ * basis_.n_nodes();
   for (int node = 0; node < halo.size(); ++node)
     if (halo.ids[node] >= layers) scalar_nodes_.push_back(node);
-  std::array<int, 2 * most_cell_nodes> list;
+  std::vector<int> list(2 * std::size_t(basis_.most_nodes()));
   for (const int a : filled_cells()) {
     const std::span<const int> own = blocks[a];
     const std::size_t n = own.size();

@@ -27,13 +27,13 @@ void MpmDiscretisation::add_motion(std::vector<double>& mass, NodalVector& momen
 /// M_IJ = sum m N_I N_J   [dynamics (3)]
 void MpmDiscretisation::add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const {
   const int d = dimension();
-  std::array<double, 8 * 8> M;
-  std::array<double, 24 * 24> K;
+  const std::size_t most = basis_.most_nodes();
+  std::vector<double> M(most * most), K(d * most * d * most);
   for (std::size_t active = 0; active < active_cells_.size(); ++active) {
     const int block = static_cast<int>(active);
     const std::span<const int> list = blocks[block];
     const int n = static_cast<int>(list.size());
-    M.fill(0.0);
+    std::fill_n(M.begin(), n * n, 0.0);
     for (int p : points_in(block)) {
       const double* N = shape(p);
       for (int i = 0; i < n; ++i)

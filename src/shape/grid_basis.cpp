@@ -1,0 +1,140 @@
+#include "shape/grid_basis.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "shape/linear.hpp"
+
+namespace berm {
+
+GridBasis::GridBasis(const Grid& grid, int degree) : grid_(&grid), degree_(degree), dimension_(grid.dimension()) {
+  const Mesh& mesh = grid.mesh;
+  if (degree == 1) {
+    places_ = mesh.nodes;
+    for (const CellKind kind : mesh.kinds) most_nodes_ = std::max(most_nodes_, berm::nodes_of(kind));
+    return;
+  }
+  const StructuredGrid* s = grid.structure.get();
+  if (!s || (s->kind != GridKind::quads && s->kind != GridKind::hexahedra))
+    throw InputError(
+        "[grid] shape_functions: B-splines need a structured grid of quads or hexahedra (kind = \"quads\" or "
+        "\"hexahedra\")");
+  cells_ = {s->nx, s->ny, dimension_ == 3 ? s->nz : 1};
+  back_.topLeftCorner<2, 2>() << std::cos(s->angle), std::sin(s->angle), -std::sin(s->angle), std::cos(s->angle);
+  const std::array<int, 3> functions = {s->nx + degree, s->ny + degree, dimension_ == 3 ? s->nz + degree : 1};
+  // Greville's abscissae: means of `degree` knots in a row.
+  const auto greville = [&](int direction, int i) {
+    double sum = 0.0;
+    for (int k = 1; k <= degree; ++k) sum += std::clamp(i + k - degree, 0, cells_[direction]);
+    return sum / degree;
+  };
+  for (int k = 0; k < functions[2]; ++k)
+    for (int j = 0; j < functions[1]; ++j)
+      for (int i = 0; i < functions[0]; ++i) {
+        const Vec3 at(greville(0, i), greville(1, j), dimension_ == 3 ? greville(2, k) : 0.0);
+        places_.push_back(back_.transpose() * Vec3(s->origin + at.cwiseProduct(s->cell_size)));
+      }
+  most_nodes_ = dimension_ == 3 ? (degree + 1) * (degree + 1) * (degree + 1) : (degree + 1) * (degree + 1);
+  for (int k = 0; k < cells_[2]; ++k)
+    for (int j = 0; j < cells_[1]; ++j)
+      for (int i = 0; i < cells_[0]; ++i)
+        for (int c = 0; c <= (dimension_ == 3 ? degree : 0); ++c)
+          for (int b = 0; b <= degree; ++b)
+            for (int a = 0; a <= degree; ++a)
+              nodes_.push_back(((k + c) * functions[1] + j + b) * functions[0] + i + a);
+}
+
+std::span<const int> GridBasis::nodes_of(int cell) const {
+  if (degree_ == 1) return grid_->mesh.nodes_of_cell(cell);
+  return {nodes_.data() + std::size_t(cell) * most_nodes_, static_cast<std::size_t>(most_nodes_)};
+}
+
+GridBasis::Spans GridBasis::spans(int cell, const Vec3& x) const {
+  const StructuredGrid& s = *grid_->structure;
+  const Vec3 y = back_ * x - s.origin;
+  Spans out;
+  out.cell = {cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1])};
+  for (int d = 0; d < 3; ++d) out.at[d] = d < dimension_ ? y[d] / s.cell_size[d] : 0.0;
+  return out;
+}
+
+/// Derivative of function i of the given order (degree) on the knots of the basis, by the coordinate in units of cells
+/// (Cox and de Boor).   [formulation (55), (56)]
+double GridBasis::spline(int direction, int i, int order, int derivative, const Spans& s) const {
+  if (order == 0) return i == s.cell[direction] + degree_ ? 1.0 : 0.0;
+  const auto knot = [&](int j) { return double(std::clamp(j - degree_, 0, cells_[direction])); };
+  const double left = knot(i + order) - knot(i), right = knot(i + order + 1) - knot(i + 1);
+  double value = 0.0;
+  if (derivative > 0) {
+    if (left > 0.0) value += order / left * spline(direction, i, order - 1, derivative - 1, s);
+    if (right > 0.0) value -= order / right * spline(direction, i + 1, order - 1, derivative - 1, s);
+    return value;
+  }
+  const double x = s.at[direction];
+  if (left > 0.0) value += (x - knot(i)) / left * spline(direction, i, order - 1, 0, s);
+  if (right > 0.0) value += (knot(i + order + 1) - x) / right * spline(direction, i + 1, order - 1, 0, s);
+  return value;
+}
+
+bool GridBasis::evaluate(int cell, const Vec3& x, BasisAt& out) const {
+  if (degree_ == 1) {
+    Shape8 shape;
+    if (!linear_shape(grid_->mesh, cell, x, shape)) return false;
+    out.n = shape.n;
+    std::copy_n(shape.nodes.begin(), shape.n, out.nodes.begin());
+    std::copy_n(shape.N.begin(), shape.n, out.N.begin());
+    std::copy_n(shape.grad.begin(), shape.n, out.grad.begin());
+    return true;
+  }
+  const Spans s = spans(cell, x);
+  std::array<std::array<double, 4>, 3> value{}, slope{};
+  for (int d = 0; d < dimension_; ++d)
+    for (int a = 0; a <= degree_; ++a) {
+      value[d][a] = spline(d, s.cell[d] + a, degree_, 0, s);
+      slope[d][a] = spline(d, s.cell[d] + a, degree_, 1, s) / grid_->structure->cell_size[d];
+    }
+  if (dimension_ == 2) value[2][0] = 1.0;
+  out.n = most_nodes_;
+  std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
+  const bool turned = grid_->structure->angle != 0.0;
+  int at = 0;
+  for (int c = 0; c <= (dimension_ == 3 ? degree_ : 0); ++c)
+    for (int b = 0; b <= degree_; ++b)
+      for (int a = 0; a <= degree_; ++a, ++at) {
+        out.N[at] = value[0][a] * value[1][b] * value[2][c];
+        const Vec3 grad(slope[0][a] * value[1][b] * value[2][c], value[0][a] * slope[1][b] * value[2][c],
+                        value[0][a] * value[1][b] * slope[2][c]);
+        out.grad[at] = turned ? Vec3(back_.transpose() * grad) : grad;
+      }
+  return true;
+}
+
+bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, BasisAt& out) const {
+  if (degree_ == 1) {
+    if (!evaluate(cell, x, out)) return false;
+    for (int k = 0; k < out.n; ++k) out.N[k] = out.grad[k].dot(normal);
+    return true;
+  }
+  const Spans s = spans(cell, x);
+  int along = 0;
+  const Vec3 own = back_ * normal;
+  own.cwiseAbs().maxCoeff(&along);
+  const double scale = std::pow(own[along] / grid_->structure->cell_size[along], degree_);
+  std::array<std::array<double, 4>, 3> value{};
+  for (int d = 0; d < dimension_; ++d)
+    for (int a = 0; a <= degree_; ++a)
+      value[d][a] = d == along ? scale * spline(d, s.cell[d] + a, degree_, degree_, s)
+                               : spline(d, s.cell[d] + a, degree_, 0, s);
+  if (dimension_ == 2) value[2][0] = 1.0;
+  out.n = most_nodes_;
+  std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
+  int at = 0;
+  for (int c = 0; c <= (dimension_ == 3 ? degree_ : 0); ++c)
+    for (int b = 0; b <= degree_; ++b)
+      for (int a = 0; a <= degree_; ++a, ++at) out.N[at] = value[0][a] * value[1][b] * value[2][c];
+  return true;
+}
+
+}  // namespace berm

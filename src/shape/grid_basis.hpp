@@ -1,0 +1,60 @@
+#pragma once
+/// Shape functions on a background grid: linear functions of its cells, or B-splines on its lines. Their nodes are the
+/// unknowns' places.   [docs/theory/formulation.md, section 16]
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "mesh/grid.hpp"
+
+namespace berm {
+
+/// Shape functions of a cell at one point; only the first n entries hold something.
+struct BasisAt {
+  static constexpr int most = 64;  ///< cubic, in space
+  int n = 0;
+  std::array<int, most> nodes;
+  std::array<double, most> N;   ///< values [-]
+  std::array<Vec3, most> grad;  ///< gradients by physical coordinates [1/m]
+};
+
+class GridBasis {
+public:
+  /// degree 1: linear functions of the grid's cells, nodes are those of its mesh. 2, 3: B-splines with knots on the lines of
+  /// a structured grid of quads or hexahedra, continuous with their derivatives of order degree - 1, with repeated knots at
+  /// its edges, so that the functions there take nodal values. `grid` must outlive the basis. Throws InputError for grids
+  /// that are not structured.
+  GridBasis(const Grid& grid, int degree);
+
+  int degree() const { return degree_; }
+  int n_nodes() const { return static_cast<int>(places_.size()); }
+  /// Of a cell, at most.
+  int most_nodes() const { return most_nodes_; }
+  /// Where the nodes are: a linear field has the coefficients that it takes there (B-splines: Greville's abscissae).
+  const std::vector<Vec3>& places() const { return places_; }
+  std::span<const int> nodes_of(int cell) const;
+
+  /// Also valid slightly outside of the cell. False if the cell's map cannot be inverted at x.
+  bool evaluate(int cell, const Vec3& x, BasisAt& out) const;
+  /// The derivative of order `degree` along the unit vector `normal` of a face, in place of the values: the first one that
+  /// jumps there [1/m^degree].
+  bool highest_derivative(int cell, const Vec3& x, const Vec3& normal, BasisAt& out) const;
+
+private:
+  struct Spans {
+    std::array<int, 3> cell;     ///< knot span by direction
+    std::array<double, 3> at;    ///< place in units of cells
+  };
+  Spans spans(int cell, const Vec3& x) const;
+  double spline(int direction, int i, int order, int derivative, const Spans& s) const;
+
+  const Grid* grid_;
+  int degree_, dimension_, most_nodes_ = 0;
+  std::array<int, 3> cells_{1, 1, 1};
+  Mat3 back_ = Mat3::Identity();  ///< from the plane to the grid's own axes
+  std::vector<Vec3> places_;
+  std::vector<int> nodes_;        ///< B-splines: of all cells
+};
+
+}  // namespace berm
