@@ -848,6 +848,11 @@ class AnyNumberOfProcesses(Case):
         self.same("drawn", MIXED, history=1e-7, points=1e-7)
         self.same("drawn_solid", MIXED, history=1e-7, points=1e-7, counts=(2,))
 
+    def test_splines(self):
+        for degree, counts in (("quadratic", (2, 4)), ("cubic", (2,))):
+            self.same("drawn", [f"grid.shape_functions={degree}_bspline"], history=1e-7, points=1e-7, counts=counts)
+        self.same("drawn_solid", ["grid.shape_functions=quadratic_bspline"], history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 
