@@ -121,6 +121,8 @@ has a finer grid and the whole curve). Front: the third point from the right; he
 examples/10_granular_column has finer ones).""",
     "Column of sand (V27)": """5 cm wide, 31 degrees, no cohesion, no dilatancy, rough floor, F-bar, cells of 5 mm (tests/verify/flow.cpp; examples/10_granular_column has more aspect ratios a). Run-out over width: 1.2 a
 (a < 1.8) and 1.9 a^(2/3) (a > 2.8) by Lube et al., 1.8 a (a < 3) and 2.3 a^(2/3) by Lajeunesse et al.: the two are the bounds in "should be".""",
+    "Pressure that follows the face": """A tube of Hencky's solid (E = 1 MPa, nu = 0.3, ends held) whose inner pressure of 0.12 MPa stays normal to the wall while it widens by 40 %, a cantilever bent beyond the vertical by a load that stays
+normal to it, and the lift of water on a body that is turned and stretched (tests/verify/follower.cpp). Relative errors.""",
     "Absorbing boundary": """A bar of 10 m, E = 10 kPa, 100 kg/m3, nu = 0, waves of 10 m/s, a Gaussian pulse of velocity in its middle, dashpots (Lysmer and Kuhlemeyer 1969) at both ends, cells of 0.1 m, 1.5 s in 600 steps
 (tests/verify/flow.cpp). Half of the pulse runs to each end.""",
 }

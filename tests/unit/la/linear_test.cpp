@@ -147,7 +147,7 @@ TEST_P(KeptMultigrid, AreMadeAnewWhenTheyNoLongerServe) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Symmetry, KeptMultigrid, ::testing::Bool(),
-                         [](const auto& info) { return info.param ? "symmetric" : "unsymmetric"; });
+                         [](const auto& one) { return one.param ? "symmetric" : "unsymmetric"; });
 
 }  // namespace
 }  // namespace berm

@@ -53,7 +53,9 @@ TEST(Mixed, TangentIsTheDerivativeOfTheForce) {
         const Eigen::MatrixXd K = tangent(*mpm, settings);
         const Eigen::MatrixXd numerical = numerical_tangent(*mpm, du, settings, 1e-6 * size);
         EXPECT_LT((K - numerical).norm(), law.tolerance * K.norm()) << law.material.name << ", step " << step;
-        if (!law.plastic) EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
+        if (!law.plastic) {
+          EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
+        }
         accept(*mpm, du, settings);
         EXPECT_EQ(mpm->material.max_plastic_strain() > 1e-4, law.plastic);
       }
