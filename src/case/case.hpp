@@ -234,6 +234,11 @@ struct Stage {
   double end() const { return begin + steps.duration; }
 };
 
+/// Measured: a slump on such a grid takes up energy without bound [docs/theory/formulation.md, section 15].
+inline constexpr const char* mixed_on_moving_simplices =
+    "gains energy in motion on triangles and tetrahedra in finite strain: take a grid of quads or hexahedra, or "
+    "formulation = \"total_lagrangian\"";
+
 /// Which load and which displacement make the nominal curve.
 struct Nominal {
   std::string load;          ///< name of a rigid body, boundary or pressure
@@ -294,6 +299,9 @@ struct Case {
   double duration() const { return stages.back().end(); }  ///< of the whole run [s]
   bool is_dynamic() const {
     return std::any_of(stages.begin(), stages.end(), [](const Stage& s) { return s.steps.analysis == Analysis::dynamic; });
+  }
+  bool moves_with_finite_strain_updated() const {
+    return is_dynamic() && kinematics == Kinematics::finite && formulation == Formulation::updated_lagrangian;
   }
   bool has_friction() const {
     return std::any_of(contacts.begin(), contacts.end(), [](const Contact& c) { return c.kind == Contact::Kind::friction; });

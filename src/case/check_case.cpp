@@ -256,12 +256,14 @@ private:
       return refuse("is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
     if (c_.space == Space::plane_stress)
       return refuse("is not for plane stress, where nothing locks: the thickness is free to change");
-    if (mixed) return check_mixed();
     const auto* grid = std::get_if<StructuredGrid>(&c_.grid);
-    if (grid && grid->kind != GridKind::quads && grid->kind != GridKind::hexahedra)
+    const bool simplices = grid && grid->kind != GridKind::quads && grid->kind != GridKind::hexahedra;
+    if (mixed && simplices && c_.moves_with_finite_strain_updated()) refuse(mixed_on_moving_simplices);
+    if (mixed) return check_mixed();
+    if (simplices)
       refuse(
           "needs a grid of quads or hexahedra: the strain of a linear triangle or tetrahedron is uniform already "
-          "(\"mixed\" helps there)");
+          "(\"mixed\" helps there as long as nothing moves)");
   }
 
   /// What has pressures among its unknowns is solved directly, and the equation of volumes is no equation of motion.

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.hpp"
+#include "bc/case_lookup.hpp"
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
 #include "mesh/gmsh.hpp"
@@ -89,9 +91,18 @@ int degree_of(ShapeFunctions functions) {
   return functions == ShapeFunctions::linear ? 1 : functions == ShapeFunctions::quadratic_bspline ? 2 : 3;
 }
 
+/// The same for grids from files as check_mixed of the case for those of cells.
+void check_mixed_grid(const Case& c, const Mesh& grid) {
+  if (c.volumetric == Volumetric::mixed && c.moves_with_finite_strain_updated() &&
+      std::any_of(grid.kinds.begin(), grid.kinds.end(), is_simplex))
+    throw InputError(std::string("[model] volumetric = \"mixed\" ") + mixed_on_moving_simplices);
+}
+
 void build_mpm(World& w) {
   const Case& c = w.spec;
-  auto mpm = std::make_unique<MpmDiscretisation>(make_grid(c), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
+  Grid grid = make_grid(c);
+  check_mixed_grid(c, grid.mesh);
+  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
                                                  c.volumetric, degree_of(c.shape_functions));
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
@@ -163,6 +174,36 @@ void build_fem(World& w) {
   w.discretisation = std::move(fem);
 }
 
+/// Names of the deformable bodies of a field, for a sentence.
+std::string bodies_of_field(const Case& c, const std::vector<int>& field, int wanted) {
+  std::string text;
+  for (std::size_t body = 0; body < field.size(); ++body)
+    if (field[body] == wanted && !c.bodies[body].rigid)
+      text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", c.bodies[body].name);
+  return text;
+}
+
+/// Bodies that share places of the grid at the start, have nodes of their own there, and no contact: nothing will keep
+/// them apart. Collective.
+void warn_of_missing_contacts(World& w) {
+  const Case& c = w.spec;
+  const std::vector<int> field = fields_of_bodies(c);
+  std::set<std::pair<int, int>> kept_apart, meet;
+  for (const Contact& contact : c.contacts) {
+    if (contact.other.empty()) continue;
+    const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];
+    kept_apart.insert({std::min(a, b), std::max(a, b)});
+  }
+  for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
+  const int last = field.empty() ? 0 : *std::max_element(field.begin(), field.end());
+  for (int a = 0; a <= last; ++a)
+    for (int b = a + 1; b <= last; ++b)
+      if (w.comm.any(meet.count({a, b}) > 0) && kept_apart.count({a, b}) == 0)
+        w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
+                                         "contacts: without a [contact.NAME] they will pass through each other",
+                                         bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
+}
+
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
   w.warnings = w.spec.warnings;
@@ -181,6 +222,7 @@ void collect_warnings(World& w) {
                       "fracture energy allows: use smaller cells",
                       w.spec.bodies[slice.body].name, longest));
   }
+  warn_of_missing_contacts(w);
 }
 
 /// Pins, gauges and probes must lie in a deformable body.

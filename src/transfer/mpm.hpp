@@ -157,7 +157,7 @@ private:
   void look_up_elasticity();
   Status volumes_of_pressures(const NodalVector& du);
   template <int n>
-  Eigen::Matrix<double, n, Eigen::Dynamic> fluctuations(int active) const;
+  Eigen::Matrix<double, n, n> pressure_stabilisation(int active) const;
   template <int n>
   void volume_residual(int active, NodalVector& f) const;
   void add_volume_residuals(NodalVector& f) const;
@@ -231,7 +231,7 @@ private:
   std::vector<double> trial_stretch_;  ///< of the trial state
   std::vector<double> share_;          ///< F-bar: of the point in its group's trial volume, w of (44)
   std::vector<double> bulk_, shear_;   ///< mixed: elastic moduli, (48) [Pa]
-  std::vector<double> pressure_;       ///< mixed: trial increment, tension positive [Pa]
+  std::vector<double> nodal_pressure_;  ///< mixed: trial increments, tension positive [Pa]
   std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (49)
   int stride_ = 0;          ///< of shape_
   std::int64_t n_points_ = 0;  ///< of all processes

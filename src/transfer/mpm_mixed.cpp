@@ -66,7 +66,6 @@ std::vector<int> MpmDiscretisation::filled_cells() const {
 void MpmDiscretisation::look_up_elasticity() {
   trial_stretch_.assign(x_.size(), 1.0);
   excess_.resize(x_.size());
-  pressure_.resize(x_.size());
   bulk_.resize(x_.size());
   shear_.resize(x_.size());
   for (const Slice& slice : material.slices) {
@@ -82,6 +81,8 @@ void MpmDiscretisation::look_up_elasticity() {
 Status MpmDiscretisation::volumes_of_pressures(const NodalVector& du) {
   const int m = volumetric_directions();
   const bool small = kinematics_ == Kinematics::small;
+  nodal_pressure_.resize(n_nodes());
+  for (int node : scalar_nodes_) nodal_pressure_[node] = pressure_unit_ * du[node].x();
   for (const int a : filled_cells()) {
     const std::span<const int> list = blocks[pressure_block_[a]];
     const std::size_t n = list.size() / 2;
@@ -95,9 +96,9 @@ Status MpmDiscretisation::volumes_of_pressures(const NodalVector& du) {
         if (!(J > 0.0)) return Status::not_admissible;
         volumetric = std::log(J);
       }
-      pressure_[p] = 0.0;
-      for (std::size_t k = 0; k < n; ++k) pressure_[p] += pressure_unit_ * shape(p)[k] * du[list[n + k]].x();
-      excess_[p] = volumetric - pressure_[p] / bulk_[p];
+      double pressure = 0.0;
+      for (std::size_t k = 0; k < n; ++k) pressure += shape(p)[k] * nodal_pressure_[list[n + k]];
+      excess_[p] = volumetric - pressure / bulk_[p];
       if (small) {
         material.trial_F[p].diagonal().head(m).array() -= excess_[p] / m;
       } else {
@@ -110,42 +111,39 @@ Status MpmDiscretisation::volumes_of_pressures(const NodalVector& du) {
   return Status::ok;
 }
 
-/// Shape functions of a cell's points less their mean, by columns; points are weighed by their volume at the start.
+/// What differences of a cell's nodal pressures cost: those that the points see, and a little for those that they do not
+/// (a single point sees none).   [(51)]
 template <int n>
-Eigen::Matrix<double, n, Eigen::Dynamic> MpmDiscretisation::fluctuations(int a) const {
-  const std::span<const int> points = points_in(a);
-  Eigen::Matrix<double, n, Eigen::Dynamic> N(n, points.size());
-  Eigen::Matrix<double, n, 1> mean = Eigen::Matrix<double, n, 1>::Zero();
-  double volume = 0.0;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    N.col(k) = Eigen::Map<const Eigen::Matrix<double, n, 1>>(shape(points[k]));
-    mean += material.volume[points[k]] * N.col(k);
-    volume += material.volume[points[k]];
+Eigen::Matrix<double, n, n> MpmDiscretisation::pressure_stabilisation(int a) const {
+  constexpr double unseen = 1e-3;
+  using Column = Eigen::Matrix<double, n, 1>;
+  Column mean = Column::Zero();
+  double volume = 0.0, compliance = 0.0;
+  for (int p : points_in(a)) {
+    mean += material.volume[p] * Eigen::Map<const Column>(shape(p));
+    volume += material.volume[p];
+    compliance += material.volume[p] / shear_[p];
   }
-  N.colwise() -= mean / volume;
-  return N;
+  mean /= volume;
+  const Eigen::Matrix<double, n, n> at_nodes =
+      Eigen::Matrix<double, n, n>::Identity() - Column::Ones() * mean.transpose();
+  Eigen::Matrix<double, n, n> S = unseen * compliance / n * (at_nodes.transpose() * at_nodes);
+  for (int p : points_in(a)) {
+    const Column differs = Eigen::Map<const Column>(shape(p)) - mean;
+    S.noalias() += material.volume[p] / shear_[p] * differs * differs.transpose();
+  }
+  return S;
 }
 
 /// The volume of the points asks for the pressure, whose differences within a cell cost something.   [(50), (51)]
 template <int n>
 void MpmDiscretisation::volume_residual(int a, NodalVector& f) const {
   using Column = Eigen::Matrix<double, n, 1>;
-  const std::span<const int> points = points_in(a);
-  const auto differs = fluctuations<n>(a);
-  double mean = 0.0, volume = 0.0;
-  for (int p : points) {
-    mean += material.volume[p] * pressure_[p];
-    volume += material.volume[p];
-  }
-  mean /= volume;
-  Column r = Column::Zero();
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const int p = points[k];
-    const double V = material.volume[p];
-    r += V * excess_[p] * Eigen::Map<const Column>(shape(p));
-    r -= V / shear_[p] * (pressure_[p] - mean) * differs.col(k);
-  }
   const std::span<const int> list = blocks[pressure_block_[a]];
+  Column r, pressure;
+  for (int k = 0; k < n; ++k) pressure[k] = nodal_pressure_[list[n + k]];
+  r = -pressure_stabilisation<n>(a) * pressure;
+  for (int p : points_in(a)) r += material.volume[p] * excess_[p] * Eigen::Map<const Column>(shape(p));
   for (int k = 0; k < n; ++k) f[list[n + k]].x() += pressure_unit_ * r[k];
 }
 
@@ -166,13 +164,10 @@ void MpmDiscretisation::mixed_tangent(int a, const LawSettings& settings, BlockA
   Eigen::Matrix<double, width, width> uu = Eigen::Matrix<double, width, width>::Zero();
   Eigen::Matrix<double, width, n> up = Eigen::Matrix<double, width, n>::Zero();
   Eigen::Matrix<double, n, width> pu = Eigen::Matrix<double, n, width>::Zero();
-  Eigen::Matrix<double, n, n> pp = Eigen::Matrix<double, n, n>::Zero();
-  const auto differs = fluctuations<n>(a);
+  Eigen::Matrix<double, n, n> pp = -pressure_stabilisation<n>(a);
   Modulus<components> modulus;
   Eigen::Matrix<double, components, width, Eigen::RowMajor> B;
-  const std::span<const int> points = points_in(a);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const int p = points[k];
+  for (int p : points_in(a)) {
     const double V = material.volume[p];
     const Pressures N = Eigen::Map<const Pressures>(shape(p));
     const Pressures theta = N / bulk_[p];
@@ -186,7 +181,7 @@ void MpmDiscretisation::mixed_tangent(int a, const LawSettings& settings, BlockA
     uu.noalias() -= by_dilatation * c;
     up.noalias() += by_dilatation * theta;
     pu.noalias() += V * N.transpose() * c;
-    pp.noalias() -= V * N.transpose() * theta + V / shear_[p] * differs.col(k) * differs.col(k).transpose();
+    pp.noalias() -= V * N.transpose() * theta;
   }
   constexpr int whole = 2 * width;
   Eigen::Matrix<double, whole, whole, Eigen::RowMajor> K = Eigen::Matrix<double, whole, whole, Eigen::RowMajor>::Zero();

@@ -599,6 +599,67 @@ transfer = "blend"
 frames = 4
 """
 
+# Nearly incompressible, on its way down; cells that hold a few points only.
+SLUMP = """
+[model]
+gravity = [0.0, -0.4]
+volumetric = "mixed"
+[grid]
+cell_size = 0.1
+cells = [12, 8]
+[material.clay]
+law = "von_mises"
+density = 1800.0
+youngs_modulus = "40 kPa"
+poisson_ratio = 0.499
+yield_stress = "80 Pa"
+[body.heap]
+material = "clay"
+shape.box = { min = [0.0, 0.0], max = [0.4, 0.62] }
+[boundary.left]
+where.box.max = [1e-6, 10.0]
+ux = 0.0
+[boundary.base]
+where.box.max = [10.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[steps]
+analysis = "dynamic"
+count = 40
+"""
+
+# Three blocks in a row: two in contact, the third left out.
+THREE = """
+[model]
+[grid]
+cell_size = 0.1
+cells = [12, 4]
+[material.stone]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.2
+[body.left]
+material = "stone"
+shape.box = { min = [0.0, 0.0], max = [0.4, 0.4] }
+[body.middle]
+material = "stone"
+shape.box = { min = [0.4, 0.0], max = [0.8, 0.4] }
+[body.right]
+material = "stone"
+shape.box = { min = [0.8, 0.0], max = [1.2, 0.4] }
+[boundary.base]
+where.box.max = [10.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[contact.joint]
+body = "left"
+other = "middle"
+kind = "frictionless"
+[steps]
+count = 1
+"""
+
 TEXT = {
     "stacked": STACKED,
     "cylinder": CYLINDER,
@@ -612,6 +673,8 @@ TEXT = {
     "drawn_solid": DRAWN_SOLID,
     "sliding": SLIDING,
     "inclined": INCLINED,
+    "slump": SLUMP,
+    "three": THREE,
 }
 FINITE = ["model.kinematics=finite", "model.formulation=updated_lagrangian"]
 SMALL = ["model.kinematics=small", "model.formulation=total_lagrangian"]
@@ -847,6 +910,7 @@ class AnyNumberOfProcesses(Case):
     def test_mixed(self):
         self.same("drawn", MIXED, history=1e-7, points=1e-7)
         self.same("drawn_solid", MIXED, history=1e-7, points=1e-7, counts=(2,))
+        self.same("slump", history=1e-5, points=1e-5, counts=(2,))
 
     def test_splines(self):
         for degree, counts in (("quadratic", (2, 4)), ("cubic", (2,))):
@@ -1125,6 +1189,13 @@ class Words(Case):
         done = call([*MPIEXEC, "-n", "2", BERM, "check", case_file("cylinder"), "--set", "solver.petc=x"])
         self.assertEqual(done.returncode, 2)
         self.assertEqual(done.stderr.count('unknown key "petc"'), 1)
+
+    def test_bodies_that_nothing_keeps_apart(self):
+        for n in (1, 2):
+            done = call([*MPIEXEC, "-n", str(n), BERM, "check", case_file("three")])
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(done.stdout.count('"right" and "middle" lie next to each other and do not'), 1)
+            self.assertEqual(done.stdout.count("without a [contact.NAME] they will pass"), 1)
 
     def test_petsc_options(self):
         done = call(command("shared", fresh("options"), 2, ["solver.petsc=-ksp_monitor", "steps.count=1"]))

@@ -112,6 +112,32 @@ TEST(Mixed, RowsBringThePointsBack) {
   });
 }
 
+/// Differences that no point sees cost something too: pressures have one answer in a cell with a single point.
+TEST(Mixed, OnePointHoldsAllPressuresOfItsCell) {
+  for (const Space space : {Space::plane_strain, Space::axisymmetric, Space::solid}) {
+    const GridKind kind = space == Space::solid ? GridKind::hexahedra : GridKind::quads;
+    MpmDiscretisation mpm(grid_of(space, kind), space, 0.0, Formulation::updated_lagrangian, Comm{}, Volumetric::mixed);
+    PointSeeding one;
+    one.per_direction = 1;
+    const Vec3 high = corner + Vec3(h, h, h);
+    const Shape shape = space == Space::solid ? Shape(SolidShape{SolidBox{corner, high}})
+                                              : Shape(PlaneShape{Box{in_plane(corner), in_plane(high)}});
+    mpm.add_body(0, "block", elastic(), seed_from_grid(Region(shape, h), mpm.grid(), one, "block"), 1.0);
+    mpm.move_points(1.2);
+    mpm.begin_step({});
+    ASSERT_EQ(mpm.material.size(), 1);
+    const LawSettings settings = settings_of(space, Kinematics::small);
+    force(mpm, NodalVector(mpm.n_nodes(), Vec3::Zero()), settings);
+    const Eigen::MatrixXd K = tangent(mpm, settings);
+    const int n = static_cast<int>(mpm.scalar_nodes().size()), d = mpm.dimension();
+    Eigen::MatrixXd pressures(n, n);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) pressures(i, j) = K(d * mpm.scalar_nodes()[i], d * mpm.scalar_nodes()[j]);
+    const Eigen::VectorXd size = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(-pressures).eigenvalues();
+    EXPECT_GT(size.minCoeff(), 1e-5 * size.maxCoeff());
+  }
+}
+
 TEST(Mixed, InvertedPointIsNotAdmissible) {
   for (const Formulation formulation : {Formulation::updated_lagrangian, Formulation::total_lagrangian}) {
     const auto mpm = make(Space::plane_strain, formulation, elastic());
