@@ -117,7 +117,7 @@ void BoundaryConditions::begin_step(const Discretisation& d) {
 
 void BoundaryConditions::add_at(const Anchor& a, const Vec3& force, const Mat3& stiffness, NodalVector& f,
                                 BlockAssembler* matrix) const {
-  const Stencil& s = a.stencil;
+  const Stencil& s = *a.stencil;
   for (int i = 0; i < s.n; ++i) f[s.node[i]] -= s.N[i] * force;
   if (!matrix) return;
   const int d = dimension_, width = d * s.n;
@@ -141,7 +141,7 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
   for (const PinPoint& pin : pins_) {
     if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
-    add_at(pin.anchor, -k * (pin.anchor.u - pin.start + pin.anchor.stencil.interpolate(du)), k, f, matrix);
+    add_at(pin.anchor, -k * (pin.anchor.u - pin.start + pin.anchor.stencil->interpolate(du)), k, f, matrix);
   }
   for (const LocalInclined& local : local_inclined_) {
     const InclinedNode& node = inclined_[local.index];

@@ -37,7 +37,7 @@ void BoundaryConditions::add_dashpots(const NodalVector& v, double dv_by_du, Nod
                                       BlockAssembler* matrix) const {
   for (const DashpotPoint& p : dashpots_) {
     if (!acts(case_.absorbing[p.absorbing].stages)) continue;
-    add_at(p.anchor, -p.damping * p.anchor.stencil.interpolate(v), dv_by_du * p.damping, f, matrix);
+    add_at(p.anchor, -p.damping * p.anchor.stencil->interpolate(v), dv_by_du * p.damping, f, matrix);
   }
 }
 

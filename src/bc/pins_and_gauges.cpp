@@ -57,8 +57,8 @@ void BoundaryConditions::add_gauge_functional(int gauge, NodalVector& functional
   const auto add = [&](const Stencil& s, double sign) {
     for (int k = 0; k < s.n; ++k) functional[s.node[k]] += sign * s.N[k] * g.direction;
   };
-  if (g.to_here) add(g.to.stencil, 1.0);
-  if (g.from_here) add(g.from.stencil, -1.0);
+  if (g.to_here) add(*g.to.stencil, 1.0);
+  if (g.from_here) add(*g.from.stencil, -1.0);
 }
 
 }  // namespace berm

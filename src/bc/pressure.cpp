@@ -41,7 +41,7 @@ BoundaryConditions::PressureForce BoundaryConditions::pressure_force(const Press
   PressureForce p{0.0, point.area, point.anchor.x};
   if (!acts(spec.stages)) return p;
   if (spec.traction) return {1.0, spec.traction->at(time, point.anchor.x) * point.area.norm(), p.place};  // [(6a)]
-  if (case_.kinematics == Kinematics::finite) p.place += point.anchor.stencil.interpolate(du);
+  if (case_.kinematics == Kinematics::finite) p.place += point.anchor.stencil->interpolate(du);
   p.value = spec.value.at(time, p.place);
   if (!follows(spec)) return p;
   const Mat3 F = point.anchor.trial_F(du);
@@ -55,7 +55,7 @@ void BoundaryConditions::add_pressure(double time, const NodalVector& du, double
                                       BlockAssembler* matrix) const {
   for (const PressurePoint& point : pressures_) {
     const PressureForce p = pressure_force(point, time, du);
-    const Stencil& s = point.anchor.stencil;
+    const Stencil& s = *point.anchor.stencil;
     for (int k = 0; k < s.n; ++k) f[s.node[k]] += factor * p.value * s.N[k] * p.area;
     if (matrix) add_pressure_matrix(point, time, du, factor, *matrix);
   }
@@ -70,7 +70,7 @@ void BoundaryConditions::add_pressure_matrix(const PressurePoint& point, double 
   const bool by_place = case_.kinematics == Kinematics::finite && spec.value.depends_on_place();
   if (!follows_face && !by_place) return;
   const PressureForce p = pressure_force(point, time, du);
-  const Stencil& s = point.anchor.stencil;
+  const Stencil& s = *point.anchor.stencil;
   Vec3 slope = Vec3::Zero();
   if (by_place)
     for (int i = 0; i < dimension_; ++i) {

@@ -68,7 +68,7 @@ void BoundaryConditions::share_nodes(const Discretisation& d) {
     std::vector<char> shared(d.n_nodes(), 0);
     for (const RigidPoint& p : rigid_points_)
       if (p.contact == static_cast<int>(k))
-        for (int i = 0; i < p.anchor.stencil.n; ++i) shared[p.anchor.stencil.node[i]] = 1;
+        for (int i = 0; i < p.anchor.stencil->n; ++i) shared[p.anchor.stencil->node[i]] = 1;
     d.halo.add_to_owners(shared.data(), 1);
     d.halo.copy_to_ghosts(shared.data(), 1);
     for (int node = 0; node < d.n_nodes(); ++node)
@@ -104,7 +104,7 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   const Contact& spec = case_.contacts[point.contact];
   if (!acts(spec.stages)) return {};  // its slip begins anew
   const Vec3 rigid = rigid_step(rigid_of_contact_[point.contact], t0, t1);
-  const Vec3 relative = point.anchor.stencil.interpolate(du) - rigid;
+  const Vec3 relative = point.anchor.stencil->interpolate(du) - rigid;
   const double k = point.stiffness;
   if (spec.kind == Contact::Kind::tie) {
     const Vec3 slip = point.slip + relative;

@@ -25,7 +25,7 @@ requires(rows > 0 &&
              0) inline constexpr bool is_plain<Eigen::Matrix<S, rows, columns, options, rows, columns>> = is_plain<S>;
 
 template <class T>
-concept Plain = is_plain<T> && !std::is_pointer_v<T> && !std::is_same_v<T, bool>;
+concept Plain = is_plain<T> && std::is_trivially_destructible_v<T> && !std::is_pointer_v<T> && !std::is_same_v<T, bool>;
 
 /// Bytes that go to, or come from, another process.
 struct Message {

@@ -325,36 +325,34 @@ int FemDiscretisation::locate(Anchor& a) const {
   return owner_of_element(a.cell);
 }
 
-void FemDiscretisation::attach(Anchor& a) const {
+void FemDiscretisation::attach(Anchor& a, Stencil& s) const {
   const auto found = std::lower_bound(elements_.begin(), elements_.end(), a.cell);
   if (found == elements_.end() || *found != a.cell)
     throw RunError(fmt::format("element {} belongs to another process than its anchor", a.cell));
   const int block = static_cast<int>(found - elements_.begin());
   const std::span<const int> list = blocks[block];
-  const auto& carried = a.stencil.node;
-  if (a.block == block && a.stencil.n == static_cast<int>(list.size()) &&
-      std::equal(list.begin(), list.end(), carried.begin()))
-    return;
   Vec3 xi;
   fem::local_coordinates(mesh_, a.cell, a.X, xi);
   const fem::ElementShape shape = fem::element_shape(mesh_.kinds[a.cell], xi);
   a.block = block;
-  a.stencil.resize(shape.n);
-  std::copy_n(shape.N.begin(), shape.n, a.stencil.N.begin());
+  a.stencil = &s;
+  s.resize(shape.n);
+  std::copy_n(shape.N.begin(), shape.n, s.N.begin());
   const Mat3 by_X = fem::jacobian(mesh_, a.cell, shape).inverse().transpose();
-  for (int k = 0; k < shape.n; ++k) a.stencil.gradient[k] = by_X * shape.dN[k];
+  for (int k = 0; k < shape.n; ++k) s.gradient[k] = by_X * shape.dN[k];
   if (space_ == Space::axisymmetric) {
     const double radius = fem::place(mesh_, a.cell, shape).x();
     const bool on_axis = radius < 1e-9 * cell_size_;
-    for (int k = 0; k < shape.n; ++k) a.stencil.hoop[k] = on_axis ? a.stencil.gradient[k].x() : shape.N[k] / radius;
+    for (int k = 0; k < shape.n; ++k) s.hoop[k] = on_axis ? s.gradient[k].x() : shape.N[k] / radius;
   }
   a.by_reference = true;
-  std::copy(list.begin(), list.end(), a.stencil.node.begin());
+  std::copy(list.begin(), list.end(), s.node.begin());
 }
 
 void FemDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   comm_.agree([&] {
-    for (Anchor* a : anchors) attach(*a);
+    anchor_stencils_.resize(anchors.size());
+    for (std::size_t k = 0; k < anchors.size(); ++k) attach(*anchors[k], anchor_stencils_[k]);
   });
 }
 

@@ -101,7 +101,7 @@ private:
   int find_element(const BodyMesh& body, const Anchor& anchor) const;
   int walk_to(const BodyMesh& body, int start, const Vec3& x) const;
   int search(const BodyMesh& body, const Vec3& x) const;
-  void attach(Anchor& anchor) const;
+  void attach(Anchor& anchor, Stencil& stencil) const;
 
   /// Calls work(ElementType, k) for every element k of this process.
   template <class Work>

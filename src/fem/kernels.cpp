@@ -180,7 +180,7 @@ void FemDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
   for (std::size_t i = 0; i < u_.size(); ++i) u_[i] += du[i];
   for (Anchor* a : anchors) {
     if (kinematics_ == Kinematics::finite) a->F = a->trial_F(du);
-    a->u = a->stencil.interpolate(u_);
+    a->u = a->stencil->interpolate(u_);
     if (kinematics_ == Kinematics::finite) a->x = a->X + a->u;
   }
 }

@@ -26,7 +26,7 @@ struct Anchor {
   Vec3 X = Vec3::Zero();       ///< reference position [m]
   Vec3 x = Vec3::Zero();       ///< current position [m]; stays at X in small strain
   Vec3 u = Vec3::Zero();       ///< displacement since the start [m]
-  Stencil stencil;             ///< nodes of the step that carry it
+  const Stencil* stencil = nullptr;  ///< nodes of the step that carry it; of the discretisation, from begin_step on
   int block = -1;              ///< block (cell) that contains those nodes
   int cell = -1;               ///< last known cell, a hint
   Mat3 F = Mat3::Identity();   ///< deformation gradient since the start; stays I in small strain
@@ -37,13 +37,13 @@ struct Anchor {
   /// Deformation gradient after the increment du.   [formulation (5), (11), (25)]
   template <class Field>
   Mat3 trial_F(const Field& du) const {
-    const Mat3 grad = stencil.gradient_of(du);
+    const Mat3 grad = stencil->gradient_of(du);
     return by_reference ? Mat3(F + grad) : Mat3((Mat3::Identity() + grad) * F);
   }
   /// From the stencil's gradients to those of the configuration after du: F^-T or dF^-T.
   template <class Field>
   Mat3 push(const Field& du) const {
-    const Mat3 grad = stencil.gradient_of(du);
+    const Mat3 grad = stencil->gradient_of(du);
     return (by_reference ? Mat3(F + grad) : Mat3(Mat3::Identity() + grad)).inverse().transpose();
   }
 };
@@ -162,6 +162,7 @@ public:
 protected:
   explicit Discretisation(const Comm& comm) : comm_(comm) {}
   Comm comm_;
+  std::vector<Stencil> anchor_stencils_;  ///< of the anchors of this step
   double most_loaded_ = 1.0;  ///< points of the most loaded process over the mean
 };
 

@@ -472,23 +472,27 @@ void MpmDiscretisation::number_nodes() {
   pair_nodes();
 }
 
-void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) const {
+void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
+  anchor_stencils_.resize(anchors.size());
   BasisAt shape;
-  for (Anchor* a : anchors) {
-    basis_.evaluate(a->cell, seen(*a), shape);
-    const int layered = layered_cell(a->cell, a->body);
-    a->block = active_index_[layered];
-    a->stencil.resize(shape.n);
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    Anchor& a = *anchors[i];
+    Stencil& s = anchor_stencils_[i];
+    basis_.evaluate(a.cell, seen(a), shape);
+    const int layered = layered_cell(a.cell, a.body);
+    s.resize(shape.n);
     for (int k = 0; k < shape.n; ++k) {
-      a->stencil.node[k] = local_node_[shape.nodes[k] + field_of(layered) * basis_.n_nodes()];
-      a->stencil.N[k] = shape.N[k];
-      a->stencil.gradient[k] = shape.grad[k];
+      s.node[k] = local_node_[shape.nodes[k] + field_of(layered) * basis_.n_nodes()];
+      s.N[k] = shape.N[k];
+      s.gradient[k] = shape.grad[k];
       if (space_ == Space::axisymmetric) {
-        const double r = seen(*a).x();
-        a->stencil.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
+        const double r = seen(a).x();
+        s.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
       }
     }
-    a->by_reference = total_lagrangian_;
+    a.block = active_index_[layered];
+    a.stencil = &s;
+    a.by_reference = total_lagrangian_;
   }
 }
 
@@ -728,7 +732,7 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
     }
   });
   for (Anchor* a : anchors) {
-    const Vec3 step = a->stencil.interpolate(du);
+    const Vec3 step = a->stencil->interpolate(du);
     a->u += step;
     if (!move) continue;
     a->F = a->trial_F(du);

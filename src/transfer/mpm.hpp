@@ -114,7 +114,7 @@ private:
   void build_faces();
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
   void number_nodes();
-  void attach(const std::vector<Anchor*>& anchors) const;
+  void attach(const std::vector<Anchor*>& anchors);
   int layered_cell(int cell, int body) const {
     const bool of_field = body >= 0 && body < static_cast<int>(field_of_body_.size());
     return cell + (of_field ? field_of_body_[body] : 0) * grid_.mesh.n_cells();

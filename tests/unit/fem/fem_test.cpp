@@ -404,7 +404,7 @@ TEST(Fem, FindsElementsWithCurvedSides) {
   std::vector<Anchor*> anchors;
   for (Anchor& a : surface) anchors.push_back(&a);
   const auto fem = ready(Space::solid, mesh, elastic(), anchors);
-  for (const Anchor* a : anchors) EXPECT_LT((a->stencil.interpolate(fem->nodes) - a->X).norm(), 1e-10);
+  for (const Anchor* a : anchors) EXPECT_LT((a->stencil->interpolate(fem->nodes) - a->X).norm(), 1e-10);
   Anchor outside;  // and nothing says where inside is
   outside.X = 1.02 * surface.back().X;
   outside.X.z() = 0.6;

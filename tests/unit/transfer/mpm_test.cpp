@@ -663,11 +663,11 @@ TEST(Mpm, AnchorsFindTheirCellsAndMove) {
       EXPECT_EQ(mpm.active_cells()[a.block], a.cell);
       double sum = 0.0;
       Vec3 place = Vec3::Zero();
-      for (int k = 0; k < a.stencil.n; ++k) {
-        sum += a.stencil.N[k];
-        place += a.stencil.N[k] * mpm.nodes[a.stencil.node[k]];
+      for (int k = 0; k < a.stencil->n; ++k) {
+        sum += a.stencil->N[k];
+        place += a.stencil->N[k] * mpm.nodes[a.stencil->node[k]];
         const auto nodes = mpm.blocks[a.block];
-        EXPECT_EQ(std::count(nodes.begin(), nodes.end(), a.stencil.node[k]), 1);
+        EXPECT_EQ(std::count(nodes.begin(), nodes.end(), a.stencil->node[k]), 1);
       }
       EXPECT_NEAR(sum, 1.0, 1e-13);
       EXPECT_LT((place - a.X).norm(), 1e-14);
@@ -676,7 +676,7 @@ TEST(Mpm, AnchorsFindTheirCellsAndMove) {
     internal_force(mpm, du, settings_of(s.space, Kinematics::finite));
     mpm.commit(du, list);
     for (const Anchor& a : anchors) {
-      EXPECT_EQ(a.u, a.stencil.interpolate(du));
+      EXPECT_EQ(a.u, a.stencil->interpolate(du));
       EXPECT_EQ(a.x, Vec3(a.X + a.u));
       EXPECT_GT(a.u.norm(), 0.0);
     }
