@@ -8,6 +8,20 @@
 #include "shape/linear.hpp"
 
 namespace berm {
+namespace {
+
+using Factors = std::array<double, 4>;  ///< of the functions of a cell in one direction
+
+/// Calls set(k, product) for every function k of a cell, the first direction fastest; z has one factor in the plane.
+template <class Set>
+void multiply(int degree, int dimension, const Factors& x, const Factors& y, const Factors& z, Set set) {
+  int at = 0;
+  for (int c = 0; c <= (dimension == 3 ? degree : 0); ++c)
+    for (int b = 0; b <= degree; ++b)
+      for (int a = 0; a <= degree; ++a) set(at++, x[a] * y[b] * z[c]);
+}
+
+}  // namespace
 
 GridBasis::GridBasis(const Grid& grid, int degree) : grid_(&grid), degree_(degree), dimension_(grid.dimension()) {
   const Mesh& mesh = grid.mesh;
@@ -89,7 +103,7 @@ bool GridBasis::evaluate(int cell, const Vec3& x, BasisAt& out) const {
     return true;
   }
   const Spans s = spans(cell, x);
-  std::array<std::array<double, 4>, 3> value{}, slope{};
+  std::array<Factors, 3> value{}, slope{};
   for (int d = 0; d < dimension_; ++d)
     for (int a = 0; a <= degree_; ++a) {
       value[d][a] = spline(d, s.cell[d] + a, degree_, 0, s);
@@ -98,16 +112,13 @@ bool GridBasis::evaluate(int cell, const Vec3& x, BasisAt& out) const {
   if (dimension_ == 2) value[2][0] = 1.0;
   out.n = most_nodes_;
   std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
-  const bool turned = grid_->structure->angle != 0.0;
-  int at = 0;
-  for (int c = 0; c <= (dimension_ == 3 ? degree_ : 0); ++c)
-    for (int b = 0; b <= degree_; ++b)
-      for (int a = 0; a <= degree_; ++a, ++at) {
-        out.N[at] = value[0][a] * value[1][b] * value[2][c];
-        const Vec3 grad(slope[0][a] * value[1][b] * value[2][c], value[0][a] * slope[1][b] * value[2][c],
-                        value[0][a] * value[1][b] * slope[2][c]);
-        out.grad[at] = turned ? Vec3(back_.transpose() * grad) : grad;
-      }
+  const auto& [fx, fy, fz] = value;
+  multiply(degree_, dimension_, fx, fy, fz, [&](int k, double N) { out.N[k] = N; });
+  multiply(degree_, dimension_, slope[0], fy, fz, [&](int k, double dN) { out.grad[k].x() = dN; });
+  multiply(degree_, dimension_, fx, slope[1], fz, [&](int k, double dN) { out.grad[k].y() = dN; });
+  multiply(degree_, dimension_, fx, fy, slope[2], [&](int k, double dN) { out.grad[k].z() = dN; });
+  if (grid_->structure->angle != 0.0)
+    for (int k = 0; k < out.n; ++k) out.grad[k] = (back_.transpose() * out.grad[k]).eval();
   return true;
 }
 
@@ -122,7 +133,7 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   const Vec3 own = back_ * normal;
   own.cwiseAbs().maxCoeff(&along);
   const double scale = std::pow(own[along] / grid_->structure->cell_size[along], degree_);
-  std::array<std::array<double, 4>, 3> value{};
+  std::array<Factors, 3> value{};
   for (int d = 0; d < dimension_; ++d)
     for (int a = 0; a <= degree_; ++a)
       value[d][a] = d == along ? scale * spline(d, s.cell[d] + a, degree_, degree_, s)
@@ -130,10 +141,7 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   if (dimension_ == 2) value[2][0] = 1.0;
   out.n = most_nodes_;
   std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
-  int at = 0;
-  for (int c = 0; c <= (dimension_ == 3 ? degree_ : 0); ++c)
-    for (int b = 0; b <= degree_; ++b)
-      for (int a = 0; a <= degree_; ++a, ++at) out.N[at] = value[0][a] * value[1][b] * value[2][c];
+  multiply(degree_, dimension_, value[0], value[1], value[2], [&](int k, double N) { out.N[k] = N; });
   return true;
 }
 

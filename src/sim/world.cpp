@@ -195,9 +195,9 @@ void warn_of_missing_contacts(World& w) {
     kept_apart.insert({std::min(a, b), std::max(a, b)});
   }
   for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
-  const int last = field.empty() ? 0 : *std::max_element(field.begin(), field.end());
-  for (int a = 0; a <= last; ++a)
-    for (int b = a + 1; b <= last; ++b)
+  const int n = w.discretisation->n_fields();
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b)
       if (w.comm.any(meet.count({a, b}) > 0) && kept_apart.count({a, b}) == 0)
         w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
                                          "contacts: without a [contact.NAME] they will pass through each other",
