@@ -25,18 +25,21 @@ void multiply(int degree, int dimension, const Factors& x, const Factors& y, con
 
 GridBasis::GridBasis(const Grid& grid, int degree) : grid_(&grid), degree_(degree), dimension_(grid.dimension()) {
   const Mesh& mesh = grid.mesh;
+  const StructuredGrid* s = grid.structure.get();
+  const bool boxes = s && (s->kind == GridKind::quads || s->kind == GridKind::hexahedra);
+  if (boxes) {
+    cells_ = {s->nx, s->ny, dimension_ == 3 ? s->nz : 1};
+    back_.topLeftCorner<2, 2>() << std::cos(s->angle), std::sin(s->angle), -std::sin(s->angle), std::cos(s->angle);
+  }
   if (degree == 1) {
     places_ = mesh.nodes;
     for (const CellKind kind : mesh.kinds) most_nodes_ = std::max(most_nodes_, berm::nodes_of(kind));
     return;
   }
-  const StructuredGrid* s = grid.structure.get();
-  if (!s || (s->kind != GridKind::quads && s->kind != GridKind::hexahedra))
+  if (!boxes)
     throw InputError(
         "[grid] shape_functions: B-splines need a structured grid of quads or hexahedra (kind = \"quads\" or "
         "\"hexahedra\")");
-  cells_ = {s->nx, s->ny, dimension_ == 3 ? s->nz : 1};
-  back_.topLeftCorner<2, 2>() << std::cos(s->angle), std::sin(s->angle), -std::sin(s->angle), std::cos(s->angle);
   const std::array<int, 3> functions = {s->nx + degree, s->ny + degree, dimension_ == 3 ? s->nz + degree : 1};
   // Greville's abscissae: means of `degree` knots in a row.
   const auto greville = [&](int direction, int i) {
@@ -143,6 +146,75 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
   multiply(degree_, dimension_, value[0], value[1], value[2], [&](int k, double N) { out.N[k] = N; });
   return true;
+}
+
+/// Of the functions that a segment sees in one direction.
+struct GridBasis::Means {
+  int first;  ///< span of its lower end
+  Factors value{}, slope{};
+};
+
+/// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions.
+GridBasis::Means GridBasis::means(int direction, double low, double high) const {
+  constexpr double rounding = 1e-9, gauss = 0.57735026918962576;
+  const int last = cells_[direction] - 1;
+  low = std::clamp(low, 0.0, last + 1.0 - 2.0 * rounding);
+  high = std::clamp(high, low + rounding, last + 1.0);
+  Means out{std::clamp(static_cast<int>(low + rounding), 0, last)};
+  const double line = out.first + 1.0;
+  low = std::max(low, double(out.first));
+  if (high < line + rounding || out.first == last) high = std::min(high, line);
+  const auto add = [&](int span, double a, double b) {
+    for (const double xi : {-gauss, gauss}) {
+      Spans s{};
+      s.cell[direction] = span;
+      s.at[direction] = 0.5 * (a + b) + 0.5 * xi * (b - a);
+      const double share = 0.5 * (b - a) / (high - low);
+      for (int k = 0; k <= degree_; ++k) {
+        out.value[span - out.first + k] += share * spline(direction, span + k, degree_, 0, s);
+        out.slope[span - out.first + k] += share * spline(direction, span + k, degree_, 1, s);
+      }
+    }
+  };
+  add(out.first, low, std::min(high, line));
+  if (high > line) add(out.first + 1, line, high);
+  return out;
+}
+
+int GridBasis::average(const Vec3& x, const Vec3& edges, BasisAt& out) const {
+  const StructuredGrid& s = *grid_->structure;
+  const Vec3 y = back_ * x - s.origin;
+  std::array<Means, 3> m{};
+  m[2].value[0] = 1.0;
+  for (int d = 0; d < dimension_; ++d)
+    m[d] = means(d, (y[d] - 0.5 * edges[d]) / s.cell_size[d], (y[d] + 0.5 * edges[d]) / s.cell_size[d]);
+  for (int d = 0; d < dimension_; ++d)
+    for (double& slope : m[d].slope) slope /= s.cell_size[d];
+
+  const int wide = degree_ + 2;
+  out.n = 0;
+  for (int c = 0; c < (dimension_ == 3 ? wide : 1); ++c)
+    for (int b = 0; b < wide; ++b)
+      for (int a = 0; a < wide; ++a) {
+        const std::array<int, 3> at = {m[0].first + a, m[1].first + b, m[2].first + c};
+        bool there = true;
+        for (int d = 0; d < dimension_; ++d) there = there && at[d] < cells_[d] + degree_;
+        out.nodes[out.n++] =
+            there ? (at[2] * (cells_[1] + degree_) + at[1]) * (cells_[0] + degree_) + at[0] : -1;
+      }
+  multiply(wide - 1, dimension_, m[0].value, m[1].value, m[2].value, [&](int k, double N) { out.N[k] = N; });
+  for (int i = 0; i < 3; ++i) {
+    if (i >= dimension_) {
+      for (int k = 0; k < out.n; ++k) out.grad[k][i] = 0.0;
+      continue;
+    }
+    std::array<const Factors*, 3> f = {&m[0].value, &m[1].value, &m[2].value};
+    f[i] = &m[i].slope;
+    multiply(wide - 1, dimension_, *f[0], *f[1], *f[2], [&](int k, double dN) { out.grad[k][i] = dN; });
+  }
+  if (s.angle != 0.0)
+    for (int k = 0; k < out.n; ++k) out.grad[k] = (back_.transpose() * out.grad[k]).eval();
+  return (m[2].first * cells_[1] + m[1].first) * cells_[0] + m[0].first;
 }
 
 }  // namespace berm

@@ -40,6 +40,12 @@ public:
   /// The derivative of order `degree` along the unit vector `normal` of a face, in place of the values: the first one that
   /// jumps there [1/m^degree].
   bool highest_derivative(int cell, const Vec3& x, const Vec3& normal, BasisAt& out) const;
+  /// Means of the functions and of their gradients over a box about x with the given edges along the grid's own axes, none
+  /// longer than a cell's (GIMP: Bardenhagen and Kober 2004; with degree 2, B2-GIMP). What lies outside of the grid is cut
+  /// off. n = (degree + 2)^dimension; functions that the grid does not have: node -1, values zero. Returns the cell with
+  /// the lowest corner of the box: boxes with the same one have the same nodes. Degree 1 and 2, structured grids of quads
+  /// or hexahedra.   [docs/theory/formulation.md, (58), (59)]
+  int average(const Vec3& x, const Vec3& edges, BasisAt& out) const;
 
 private:
   struct Spans {
@@ -47,6 +53,8 @@ private:
     std::array<double, 3> at;    ///< place in units of cells
   };
   Spans spans(int cell, const Vec3& x) const;
+  struct Means;
+  Means means(int direction, double low, double high) const;
   double spline(int direction, int i, int order, int derivative, const Spans& s) const;
 
   const Grid* grid_;

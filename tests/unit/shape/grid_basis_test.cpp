@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <random>
 
@@ -155,6 +156,93 @@ TEST(GridBasis, SplinesNeedBoxes) {
   const Grid triangles = grid_of(2, 0.0, GridKind::union_jack);
   EXPECT_THROW(GridBasis(triangles, 2), InputError);
   EXPECT_NO_THROW(GridBasis(triangles, 1));
+}
+
+/// Bardenhagen and Kober (2004), (39): the mean of a hat function of width h over x - l ... x + l, by the distance.
+double gimp_hat(double x, double l, double h) {
+  x = std::abs(x);
+  if (x < l) return 1.0 - (x * x + l * l) / (2.0 * h * l);
+  if (x <= h - l) return 1.0 - x / h;
+  return x < h + l ? (h + l - x) * (h + l - x) / (4.0 * h * l) : 0.0;
+}
+
+TEST(GridBasis, MeansOfLinearFunctionsAreThoseOfGimp) {
+  const Grid grid = grid_of(2);
+  const GridBasis basis(grid, 1);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  BasisAt out;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Vec3 edges(0.1 * unit(random), 0.2 * unit(random), 0.0);
+    const Vec3 x(-0.15 + 0.2 * unit(random), 0.4 + 0.4 * unit(random), 0.0);
+    basis.average(x, edges, out);
+    for (int k = 0; k < out.n; ++k) {
+      ASSERT_GE(out.nodes[k], 0);
+      const Vec3 to = x - basis.places()[out.nodes[k]];
+      EXPECT_NEAR(out.N[k], gimp_hat(to.x(), 0.5 * edges.x(), 0.1) * gimp_hat(to.y(), 0.5 * edges.y(), 0.2), 1e-12);
+    }
+  }
+}
+
+TEST(GridBasis, MeansKeepLinearFieldsAndTheirGradientsAreDerivatives) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for_all([&](const GridBasis& basis, const Grid& grid) {
+    if (basis.degree() == 3) return;
+    const int d = grid.dimension();
+    const Mat3 turn = Eigen::AngleAxisd(grid.structure->angle, Vec3::UnitZ()).toRotationMatrix();
+    BasisAt at, ahead, behind;
+    for (int trial = 0; trial < 200; ++trial) {
+      Vec3 edges(0.1, 0.2, 0.15), y(0.5, 0.8, 0.45);
+      for (int i = 0; i < 3; ++i) {
+        edges[i] *= 0.05 + 0.9 * unit(random);
+        y[i] = 0.5 * edges[i] + 0.01 * edges[i] + (y[i] - 1.02 * edges[i]) * unit(random);
+      }
+      if (d == 2) y.z() = edges.z() = 0.0;
+      const Vec3 x = turn * (y + grid.structure->origin);
+      const int cell = basis.average(x, edges, at);
+      EXPECT_EQ(cell, grid.locator->locate(turn * (y - 0.5 * edges + grid.structure->origin), -1));
+      double sum = 0.0;
+      Vec3 place = Vec3::Zero();
+      Mat3 gradient = Mat3::Zero();
+      for (int k = 0; k < at.n; ++k) {
+        if (at.nodes[k] < 0) {
+          EXPECT_EQ(at.N[k], 0.0);
+          EXPECT_TRUE(at.grad[k].isZero(0.0));
+          continue;
+        }
+        sum += at.N[k];
+        place += at.N[k] * basis.places()[at.nodes[k]];
+        gradient += basis.places()[at.nodes[k]] * at.grad[k].transpose();
+      }
+      EXPECT_NEAR(sum, 1.0, 1e-12);
+      EXPECT_LT((place - x).head(d).norm(), 1e-12);
+      EXPECT_LT((gradient - Mat3::Identity()).topLeftCorner(d, d).norm(), 1e-10);
+      for (int i = 0; i < d; ++i) {
+        constexpr double h = 1e-6;
+        if (basis.average(x + h * Vec3::Unit(i), edges, ahead) != cell ||
+            basis.average(x - h * Vec3::Unit(i), edges, behind) != cell)
+          continue;
+        for (int k = 0; k < at.n; ++k)
+          EXPECT_NEAR(at.grad[k][i], (ahead.N[k] - behind.N[k]) / (2.0 * h), 1e-3);  // kinks: order h
+      }
+    }
+  });
+}
+
+/// What reaches out of the grid is cut off: the nodes on the edge alone decide about values there.
+TEST(GridBasis, MeansCutBoxesAtTheEdge) {
+  for (const int degree : {1, 2}) {
+    const Grid grid = grid_of(2);
+    const GridBasis basis(grid, degree);
+    BasisAt at;
+    EXPECT_EQ(basis.average(Vec3(-0.3, 0.2, 0.0), Vec3(0.1, 0.2, 0.0), at), 0);
+    Vec3 place = Vec3::Zero();
+    for (int k = 0; k < at.n; ++k)
+      if (at.nodes[k] >= 0) place += at.N[k] * basis.places()[at.nodes[k]];
+    EXPECT_LT((place - Vec3(-0.275, 0.25, 0.0)).norm(), 1e-12);
+    EXPECT_EQ(basis.average(Vec3(0.2, 1.0, 0.0), Vec3(0.1, 0.2, 0.0), at), 19);
+  }
 }
 
 }  // namespace
