@@ -6,19 +6,20 @@
 
 #include "base/error.hpp"
 #include "shape/linear.hpp"
+#include "shape/quadrature.hpp"
 
 namespace berm {
 namespace {
 
-using Factors = std::array<double, 4>;  ///< of the functions of a cell in one direction
-
-/// Calls set(k, product) for every function k of a cell, the first direction fastest; z has one factor in the plane.
+/// Calls set(k, product) for the products of the functions 0 ... `last` of every direction, the first direction fastest; z
+/// has one factor in the plane.
 template <class Set>
-void multiply(int degree, int dimension, const Factors& x, const Factors& y, const Factors& z, Set set) {
+void multiply(int last, int dimension, const std::array<double, 4>& x, const std::array<double, 4>& y,
+              const std::array<double, 4>& z, Set set) {
   int at = 0;
-  for (int c = 0; c <= (dimension == 3 ? degree : 0); ++c)
-    for (int b = 0; b <= degree; ++b)
-      for (int a = 0; a <= degree; ++a) set(at++, x[a] * y[b] * z[c]);
+  for (int c = 0; c <= (dimension == 3 ? last : 0); ++c)
+    for (int b = 0; b <= last; ++b)
+      for (int a = 0; a <= last; ++a) set(at++, x[a] * y[b] * z[c]);
 }
 
 }  // namespace
@@ -60,7 +61,7 @@ GridBasis::GridBasis(const Grid& grid, int degree) : grid_(&grid), degree_(degre
         for (int c = 0; c <= (dimension_ == 3 ? degree : 0); ++c)
           for (int b = 0; b <= degree; ++b)
             for (int a = 0; a <= degree; ++a)
-              nodes_.push_back(((k + c) * functions[1] + j + b) * functions[0] + i + a);
+              nodes_.push_back(node(i + a, j + b, k + c));
 }
 
 std::span<const int> GridBasis::nodes_of(int cell) const {
@@ -115,14 +116,21 @@ bool GridBasis::evaluate(int cell, const Vec3& x, BasisAt& out) const {
   if (dimension_ == 2) value[2][0] = 1.0;
   out.n = most_nodes_;
   std::copy_n(nodes_of(cell).begin(), out.n, out.nodes.begin());
-  const auto& [fx, fy, fz] = value;
-  multiply(degree_, dimension_, fx, fy, fz, [&](int k, double N) { out.N[k] = N; });
-  multiply(degree_, dimension_, slope[0], fy, fz, [&](int k, double dN) { out.grad[k].x() = dN; });
-  multiply(degree_, dimension_, fx, slope[1], fz, [&](int k, double dN) { out.grad[k].y() = dN; });
-  multiply(degree_, dimension_, fx, fy, slope[2], [&](int k, double dN) { out.grad[k].z() = dN; });
+  multiply_all(degree_, value, slope, out);
+  return true;
+}
+
+/// Values and gradients from those in every direction, with the functions 0 ... `last` of each; the third value of the
+/// plane is 1.
+void GridBasis::multiply_all(int last, const std::array<Factors, 3>& value, const std::array<Factors, 3>& slope,
+                             BasisAt& out) const {
+  const auto& [x, y, z] = value;
+  multiply(last, dimension_, x, y, z, [&](int k, double N) { out.N[k] = N; });
+  multiply(last, dimension_, slope[0], y, z, [&](int k, double dN) { out.grad[k].x() = dN; });
+  multiply(last, dimension_, x, slope[1], z, [&](int k, double dN) { out.grad[k].y() = dN; });
+  multiply(last, dimension_, x, y, slope[2], [&](int k, double dN) { out.grad[k].z() = dN; });
   if (grid_->structure->angle != 0.0)
     for (int k = 0; k < out.n; ++k) out.grad[k] = (back_.transpose() * out.grad[k]).eval();
-  return true;
 }
 
 bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, BasisAt& out) const {
@@ -148,73 +156,58 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   return true;
 }
 
-/// Of the functions that a segment sees in one direction.
-struct GridBasis::Means {
-  int first;  ///< span of its lower end
-  Factors value{}, slope{};
-};
-
-/// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions.
-GridBasis::Means GridBasis::means(int direction, double low, double high) const {
-  constexpr double rounding = 1e-9, gauss = 0.57735026918962576;
+/// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions. Returns the
+/// span of the lower end.
+int GridBasis::means(int direction, double low, double high, Factors& value, Factors& slope) const {
+  constexpr double rounding = 1e-9;
+  static const auto rule = gauss_line(2);
   const int last = cells_[direction] - 1;
   low = std::clamp(low, 0.0, last + 1.0 - 2.0 * rounding);
   high = std::clamp(high, low + rounding, last + 1.0);
-  Means out{std::clamp(static_cast<int>(low + rounding), 0, last)};
-  const double line = out.first + 1.0;
-  low = std::max(low, double(out.first));
-  if (high < line + rounding || out.first == last) high = std::min(high, line);
+  const int first = std::clamp(static_cast<int>(low + rounding), 0, last);
+  const double line = first + 1.0;
+  low = std::max(low, double(first));
+  if (high < line + rounding || first == last) high = std::min(high, line);
   const auto add = [&](int span, double a, double b) {
-    for (const double xi : {-gauss, gauss}) {
+    for (const auto& [xi, weight] : rule) {
       Spans s{};
       s.cell[direction] = span;
       s.at[direction] = 0.5 * (a + b) + 0.5 * xi * (b - a);
-      const double share = 0.5 * (b - a) / (high - low);
+      const double share = 0.5 * weight * (b - a) / (high - low);
       for (int k = 0; k <= degree_; ++k) {
-        out.value[span - out.first + k] += share * spline(direction, span + k, degree_, 0, s);
-        out.slope[span - out.first + k] += share * spline(direction, span + k, degree_, 1, s);
+        value[span - first + k] += share * spline(direction, span + k, degree_, 0, s);
+        slope[span - first + k] +=
+            share * spline(direction, span + k, degree_, 1, s) / grid_->structure->cell_size[direction];
       }
     }
   };
-  add(out.first, low, std::min(high, line));
-  if (high > line) add(out.first + 1, line, high);
-  return out;
+  add(first, low, std::min(high, line));
+  if (high > line) add(first + 1, line, high);
+  return first;
 }
 
 int GridBasis::average(const Vec3& x, const Vec3& edges, BasisAt& out) const {
   const StructuredGrid& s = *grid_->structure;
   const Vec3 y = back_ * x - s.origin;
-  std::array<Means, 3> m{};
-  m[2].value[0] = 1.0;
+  std::array<Factors, 3> value{}, slope{};
+  std::array<int, 3> first{};
   for (int d = 0; d < dimension_; ++d)
-    m[d] = means(d, (y[d] - 0.5 * edges[d]) / s.cell_size[d], (y[d] + 0.5 * edges[d]) / s.cell_size[d]);
-  for (int d = 0; d < dimension_; ++d)
-    for (double& slope : m[d].slope) slope /= s.cell_size[d];
-
+    first[d] = means(d, (y[d] - 0.5 * edges[d]) / s.cell_size[d], (y[d] + 0.5 * edges[d]) / s.cell_size[d], value[d],
+                     slope[d]);
+  if (dimension_ == 2) value[2][0] = 1.0;
   const int wide = degree_ + 2;
   out.n = 0;
   for (int c = 0; c < (dimension_ == 3 ? wide : 1); ++c)
     for (int b = 0; b < wide; ++b)
-      for (int a = 0; a < wide; ++a) {
-        const std::array<int, 3> at = {m[0].first + a, m[1].first + b, m[2].first + c};
-        bool there = true;
-        for (int d = 0; d < dimension_; ++d) there = there && at[d] < cells_[d] + degree_;
-        out.nodes[out.n++] =
-            there ? (at[2] * (cells_[1] + degree_) + at[1]) * (cells_[0] + degree_) + at[0] : -1;
-      }
-  multiply(wide - 1, dimension_, m[0].value, m[1].value, m[2].value, [&](int k, double N) { out.N[k] = N; });
-  for (int i = 0; i < 3; ++i) {
-    if (i >= dimension_) {
-      for (int k = 0; k < out.n; ++k) out.grad[k][i] = 0.0;
-      continue;
-    }
-    std::array<const Factors*, 3> f = {&m[0].value, &m[1].value, &m[2].value};
-    f[i] = &m[i].slope;
-    multiply(wide - 1, dimension_, *f[0], *f[1], *f[2], [&](int k, double dN) { out.grad[k][i] = dN; });
-  }
-  if (s.angle != 0.0)
-    for (int k = 0; k < out.n; ++k) out.grad[k] = (back_.transpose() * out.grad[k]).eval();
-  return (m[2].first * cells_[1] + m[1].first) * cells_[0] + m[0].first;
+      for (int a = 0; a < wide; ++a) out.nodes[out.n++] = node(first[0] + a, first[1] + b, first[2] + c);
+  multiply_all(wide - 1, value, slope, out);
+  return (first[2] * cells_[1] + first[1]) * cells_[0] + first[0];
+}
+
+/// By its place in every direction; -1 beyond the last one.
+int GridBasis::node(int i, int j, int k) const {
+  const int nx = cells_[0] + degree_, ny = cells_[1] + degree_, nz = dimension_ == 3 ? cells_[2] + degree_ : 1;
+  return i < nx && j < ny && k < nz ? (k * ny + j) * nx + i : -1;
 }
 
 }  // namespace berm

@@ -53,8 +53,11 @@ private:
     std::array<double, 3> at;    ///< place in units of cells
   };
   Spans spans(int cell, const Vec3& x) const;
-  struct Means;
-  Means means(int direction, double low, double high) const;
+  using Factors = std::array<double, 4>;  ///< of the functions that a cell or a segment sees in one direction
+  void multiply_all(int last, const std::array<Factors, 3>& value, const std::array<Factors, 3>& slope,
+                    BasisAt& out) const;
+  int means(int direction, double low, double high, Factors& value, Factors& slope) const;
+  int node(int i, int j, int k) const;
   double spline(int direction, int i, int order, int derivative, const Spans& s) const;
 
   const Grid* grid_;

@@ -158,7 +158,7 @@ TEST(GridBasis, SplinesNeedBoxes) {
   EXPECT_NO_THROW(GridBasis(triangles, 1));
 }
 
-/// Bardenhagen and Kober (2004), (39): the mean of a hat function of width h over x - l ... x + l, by the distance.
+/// Bardenhagen and Kober (2004): the mean of a hat function of width h over x - l ... x + l, by the distance.
 double gimp_hat(double x, double l, double h) {
   x = std::abs(x);
   if (x < l) return 1.0 - (x * x + l * l) / (2.0 * h * l);
