@@ -87,6 +87,7 @@ Table<PointSeeding> points_table() {
   const auto on_mesh = [](const Scope& s, const PointSeeding&) { return s.has("mesh") || from_file(s); };
   const std::string on_grid_text = "without \"mesh\", in bodies with a shape";
   const std::vector<std::pair<std::string, PointSeeding::Placement>> placements = {
+      {"automatic", PointSeeding::Placement::automatic},
       {"gauss", PointSeeding::Placement::gauss}, {"uniform", PointSeeding::Placement::uniform}};
   Table<PointSeeding> t(
       "Where the material points start (method \"mpm\"): in the cells of the background grid, or at the Gauss points "
@@ -97,7 +98,8 @@ Table<PointSeeding> points_table() {
   t.no_default().only(with_shape, "in bodies with a shape");
   t.integer("per_direction", &PointSeeding::per_direction, {1.0, 20.0}, "points per grid cell and direction");
   t.only(on_grid, on_grid_text);
-  t.choice("placement", &PointSeeding::placement, placements, "positions in grid cells that the body fills");
+  t.choice("placement", &PointSeeding::placement, placements, "positions in grid cells that the body fills: where Gauss's rule has them, or "
+           "evenly spaced; automatic: evenly spaced if points have domains (grid.shape_functions), else Gauss's");
   t.only(on_grid, on_grid_text);
   t.number(
       "size", [](PointSeeding & p) -> auto& { return p.mesh.size; }, Unit::length, positive(),

@@ -24,7 +24,9 @@ enum class Formulation { updated_lagrangian, total_lagrangian };
 /// Volumetric strain of a point: its own, the mean over the points of its cell, or that of a pressure at the nodes.
 enum class Volumetric { standard, f_bar, mixed };
 /// On the background grid.
-enum class ShapeFunctions { linear, quadratic_bspline, cubic_bspline };
+enum class ShapeFunctions { linear, quadratic_bspline, cubic_bspline, ugimp, cpgimp, b2gimp, cpdi };
+/// Points stand for domains that cover several cells.
+constexpr bool has_domains(ShapeFunctions functions) { return functions >= ShapeFunctions::ugimp; }
 
 /// Names of the stages in which something acts; empty: in all.
 using Stages = std::vector<std::string>;
@@ -55,7 +57,8 @@ struct Material {
 struct PointSeeding {
   enum class Kind { grid, mesh } kind = Kind::grid;
   int per_direction = 2;                                                 ///< grid: points per cell and direction
-  enum class Placement { gauss, uniform } placement = Placement::gauss;  ///< grid: positions in uncut cells
+  /// Grid: positions in uncut cells; automatic: uniform if points have domains, else gauss.
+  enum class Placement { automatic, gauss, uniform } placement = Placement::automatic;
   BodyMeshOptions mesh;  ///< mesh: the body mesh whose Gauss points become points
   int per_element = 4;  ///< mesh: 1, 3, 6, 12 a triangle; 1, 4, 9, 16 a quad; 1, 4 a tetrahedron; 1, 8, 27 a hexahedron
 };

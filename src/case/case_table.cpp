@@ -97,11 +97,15 @@ KeyInfo cell_size_info() {
 }
 
 void check_grid(Scope& scope, GridInput& g) {
+  const StructuredGrid& s = g.structured;
+  const bool on_any = g.shape_functions == ShapeFunctions::linear || g.shape_functions == ShapeFunctions::cpdi;
+  const bool boxes = !scope.has("file") && (s.kind == GridKind::quads || s.kind == GridKind::hexahedra);
+  if (!on_any && !boxes)
+    scope.explain("shape_functions",
+                  "B-splines and GIMP need a regular grid of quads or hexahedra (kind = ...); \"linear\" and \"cpdi\" "
+                  "work on any grid");
   if (scope.has("file")) return;
   scope.exactly_one({"cell_size", "size"});
-  const StructuredGrid& s = g.structured;
-  if (g.shape_functions != ShapeFunctions::linear && s.kind != GridKind::quads && s.kind != GridKind::hexahedra)
-    scope.explain("shape_functions", "B-splines need a grid of quads or hexahedra");
   if (g.size) g.structured.cell_size = g.size->cwiseQuotient(Vec3(s.nx, s.ny, std::max(s.nz, 1)));
 }
 
@@ -128,10 +132,16 @@ const Table<GridInput>& grid_table() {
     t.choice("shape_functions", &GridInput::shape_functions,
              Words<ShapeFunctions>{{"linear", ShapeFunctions::linear},
                                    {"quadratic_bspline", ShapeFunctions::quadratic_bspline},
-                                   {"cubic_bspline", ShapeFunctions::cubic_bspline}},
+                                   {"cubic_bspline", ShapeFunctions::cubic_bspline},
+                                   {"ugimp", ShapeFunctions::ugimp},
+                                   {"cpgimp", ShapeFunctions::cpgimp},
+                                   {"b2gimp", ShapeFunctions::b2gimp},
+                                   {"cpdi", ShapeFunctions::cpdi}},
              "of the displacements; B-splines (quads and hexahedra) have no jumps of the gradient, where points that cross "
-             "cells lose accuracy; supports of nodes ([boundary.NAME]) then have to lie on the edges of the grid")
-        .only_without("file");
+             "cells lose accuracy; supports of nodes ([boundary.NAME]) then have to lie on the edges of the grid. GIMP (quads "
+             "and hexahedra): means over a box about the point, of linear functions, with the edges of the start (ugimp) or "
+             "following the stretch (cpgimp), or of quadratic B-splines (b2gimp). cpdi (any grid): means over a parallelogram "
+             "or parallelepiped that deforms with the body");
     t.vector("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
         .only_without("file");
     t.number(

@@ -41,6 +41,7 @@ public:
     check_fluids();
     check_plane_stress();
     check_volumetric();
+    check_placement();
   }
 
 private:
@@ -246,6 +247,15 @@ private:
             .explain("law", "is for plane strain, axisymmetric models and space, not for plane stress");
   }
 
+  void check_placement() const {
+    if (!has_domains(c_.shape_functions)) return;
+    for (const Body& body : c_.bodies)
+      if (body.points.placement == PointSeeding::Placement::gauss)
+        at("body", body.name)
+            .explain("points", "placement = \"gauss\" does not go with grid.shape_functions whose points have domains (gimp, "
+                               "cpdi): these would overlap");
+  }
+
   void check_volumetric() const {
     if (c_.volumetric == Volumetric::standard) return;
     const bool mixed = c_.volumetric == Volumetric::mixed;
@@ -254,6 +264,8 @@ private:
     };
     if (c_.method == Method::fem)
       return refuse("is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
+    if (has_domains(c_.shape_functions))
+      return refuse("works on points of one cell: not with grid.shape_functions whose points have domains (gimp, cpdi)");
     if (c_.space == Space::plane_stress)
       return refuse("is not for plane stress, where nothing locks: the thickness is free to change");
     const auto* grid = std::get_if<StructuredGrid>(&c_.grid);

@@ -121,7 +121,7 @@ std::vector<QuadraturePoint> rule_of(CellKind kind, int n) {
 }
 
 void seed_whole_cell(const Part& cell, const PointSeeding& seeding, SeededPoints& out) {
-  if (seeding.placement == PointSeeding::Placement::gauss) {
+  if (seeding.placement != PointSeeding::Placement::uniform) {
     const auto rule = rule_of(cell.kind, seeding.per_direction);
     if (!rule.empty()) return seed_gauss(cell, rule, out);
   }

@@ -3,8 +3,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.hpp"
+#include "mesh/cell_map.hpp"
 #include "shape/linear.hpp"
 #include "shape/quadrature.hpp"
 
@@ -156,9 +158,8 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   return true;
 }
 
-/// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions. Returns the
-/// span of the lower end.
-int GridBasis::means(int direction, double low, double high, Factors& value, Factors& slope) const {
+/// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions.
+GridBasis::Reach GridBasis::means(int direction, double low, double high, Factors& value, Factors& slope) const {
   constexpr double rounding = 1e-9;
   static const auto rule = gauss_line(2);
   const int last = cells_[direction] - 1;
@@ -182,26 +183,91 @@ int GridBasis::means(int direction, double low, double high, Factors& value, Fac
     }
   };
   add(first, low, std::min(high, line));
-  if (high > line) add(first + 1, line, high);
-  return first;
+  if (!(high > line)) return {first, 0.0};
+  add(first + 1, line, high);
+  return {first, (high - line) / (high - low)};
 }
 
-int GridBasis::average(const Vec3& x, const Vec3& edges, BasisAt& out) const {
+Cover GridBasis::average_box(const Vec3& x, const Vec3& edges, BasisAt& out) const {
   const StructuredGrid& s = *grid_->structure;
   const Vec3 y = back_ * x - s.origin;
   std::array<Factors, 3> value{}, slope{};
-  std::array<int, 3> first{};
+  std::array<Reach, 3> reach{};
   for (int d = 0; d < dimension_; ++d)
-    first[d] = means(d, (y[d] - 0.5 * edges[d]) / s.cell_size[d], (y[d] + 0.5 * edges[d]) / s.cell_size[d], value[d],
+    reach[d] = means(d, (y[d] - 0.5 * edges[d]) / s.cell_size[d], (y[d] + 0.5 * edges[d]) / s.cell_size[d], value[d],
                      slope[d]);
   if (dimension_ == 2) value[2][0] = 1.0;
   const int wide = degree_ + 2;
+  const auto& [i, j, k] = reach;
   out.n = 0;
   for (int c = 0; c < (dimension_ == 3 ? wide : 1); ++c)
     for (int b = 0; b < wide; ++b)
-      for (int a = 0; a < wide; ++a) out.nodes[out.n++] = node(first[0] + a, first[1] + b, first[2] + c);
+      for (int a = 0; a < wide; ++a) out.nodes[out.n++] = node(i.first + a, j.first + b, k.first + c);
   multiply_all(wide - 1, value, slope, out);
-  return (first[2] * cells_[1] + first[1]) * cells_[0] + first[0];
+  Cover cover;
+  for (int c = 0; c <= (k.beyond > 0.0); ++c)
+    for (int b = 0; b <= (j.beyond > 0.0); ++b)
+      for (int a = 0; a <= (i.beyond > 0.0); ++a)
+        cover.add(((k.first + c) * cells_[1] + j.first + b) * cells_[0] + i.first + a,
+                  (a ? i.beyond : 1.0 - i.beyond) * (b ? j.beyond : 1.0 - j.beyond) * (c ? k.beyond : 1.0 - k.beyond));
+  return cover;
+}
+
+Cover GridBasis::average_corners(const Vec3& x, const Mat3& edges, int hint, BasisAt& out) const {
+  constexpr double inward = 1.0 - 1e-9;  // corners on a line belong to the cell that the domain lies in
+  const int n_corners = 1 << dimension_;
+  const auto corner = [&](int c, double size) {
+    Vec3 place = x;
+    for (int d = 0; d < dimension_; ++d) place += 0.5 * size * corner_sign[c][d] * edges.col(d);
+    return place;
+  };
+  std::array<int, 8> cell;
+  cell.fill(std::numeric_limits<int>::max());
+  const auto inside = [&](double size) {
+    for (int c = 0; c < n_corners; ++c)
+      if ((cell[c] = grid_->locator->locate(corner(c, size * inward), hint)) < 0) return false;
+    return true;
+  };
+  double size = 1.0;
+  if (!inside(size)) {
+    double low = 0.0, high = 1.0;
+    for (int k = 0; k < 30; ++k) (inside(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    size = low;
+    if (size < 1e-3 || !inside(size)) return {};
+  }
+  Cover cover;
+  std::array<int, 8> sorted = cell;
+  std::sort(sorted.begin(), sorted.end());
+  for (int c = 0; c < n_corners; ++c) cover.add(sorted[c], 1.0 / n_corners);
+  out.n = 0;
+  const auto position = [&out](int node) {
+    return std::find(out.nodes.begin(), out.nodes.begin() + out.n, node) - out.nodes.begin();
+  };
+  for (int c = 0; c < cover.n; ++c)
+    for (const int node : nodes_of(cover.cell[c])) {
+      const auto at = position(node);
+      if (at < out.n) continue;
+      out.nodes[at] = node;
+      out.N[at] = 0.0;
+      out.grad[at].setZero();
+      ++out.n;
+    }
+  Mat3 E = Mat3::Identity();
+  E.topLeftCorner(dimension_, dimension_) = size * edges.topLeftCorner(dimension_, dimension_);
+  const Mat3 by_edges = 2.0 / n_corners * E.inverse().transpose();
+  BasisAt here;
+  for (int c = 0; c < n_corners; ++c) {
+    if (!evaluate(cell[c], corner(c, size), here)) return {};
+    Vec3 outward = Vec3::Zero();
+    for (int d = 0; d < dimension_; ++d) outward[d] = corner_sign[c][d];
+    const Vec3 weight = by_edges * outward;
+    for (int k = 0; k < here.n; ++k) {
+      const auto at = position(here.nodes[k]);
+      out.N[at] += here.N[k] / n_corners;
+      out.grad[at] += here.N[k] * weight;
+    }
+  }
+  return cover;
 }
 
 /// By its place in every direction; -1 beyond the last one.

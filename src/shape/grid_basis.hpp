@@ -19,6 +19,20 @@ struct BasisAt {
   std::array<Vec3, most> grad;  ///< gradients by physical coordinates [1/m]
 };
 
+/// Cells that the domain of a point covers (docs/adr/0014), and the share of it that lies in each.
+struct Cover {
+  int n = 0;
+  std::array<int, 8> cell;
+  std::array<double, 8> share;  ///< sum 1
+
+  void add(int of_cell, double part) {
+    for (int k = 0; k < n; ++k)
+      if (cell[k] == of_cell) return void(share[k] += part);
+    cell[n] = of_cell;
+    share[n++] = part;
+  }
+};
+
 class GridBasis {
 public:
   /// degree 1: linear functions of the grid's cells, nodes are those of its mesh. 2, 3: B-splines with knots on the lines of
@@ -42,10 +56,17 @@ public:
   bool highest_derivative(int cell, const Vec3& x, const Vec3& normal, BasisAt& out) const;
   /// Means of the functions and of their gradients over a box about x with the given edges along the grid's own axes, none
   /// longer than a cell's (GIMP: Bardenhagen and Kober 2004; with degree 2, B2-GIMP). What lies outside of the grid is cut
-  /// off. n = (degree + 2)^dimension; functions that the grid does not have: node -1, values zero. Returns the cell with
-  /// the lowest corner of the box: boxes with the same one have the same nodes. Degree 1 and 2, structured grids of quads
-  /// or hexahedra.   [docs/theory/formulation.md, (58), (59)]
-  int average(const Vec3& x, const Vec3& edges, BasisAt& out) const;
+  /// off. n = (degree + 2)^dimension; functions that the grid does not have: node -1, values zero. The first cell of the
+  /// cover is that of the lowest corner of the box: boxes with the same one have the same nodes. Degree 1 and 2, structured
+  /// grids of quads or hexahedra.   [docs/theory/formulation.md, (58), (59)]
+  Cover average_box(const Vec3& x, const Vec3& edges, BasisAt& out) const;
+  /// The same over a parallelogram or parallelepiped about x with the columns of `edges`, of functions that are linear
+  /// along its edges and agree with those of the grid at its corners (CPDI: Sadeghirad, Brannon and Burghardt 2011). One
+  /// that reaches out of the grid is shrunk about x until it does not. Nodes: those of the covered cells, which are in
+  /// ascending order and at most one a corner. `hint`: cell of x. An empty cover if x is on the very edge of the grid or
+  /// the map of a cell cannot be inverted. Degree 1, any grid.   [(60)]
+  Cover average_corners(const Vec3& x, const Mat3& edges, int hint, BasisAt& out) const;
+  const Mat3& to_own_axes() const { return back_; }
 
 private:
   struct Spans {
@@ -56,7 +77,11 @@ private:
   using Factors = std::array<double, 4>;  ///< of the functions that a cell or a segment sees in one direction
   void multiply_all(int last, const std::array<Factors, 3>& value, const std::array<Factors, 3>& slope,
                     BasisAt& out) const;
-  int means(int direction, double low, double high, Factors& value, Factors& slope) const;
+  struct Reach {
+    int first = 0;        ///< span of the lower end
+    double beyond = 0.0;  ///< share in the next one
+  };
+  Reach means(int direction, double low, double high, Factors& value, Factors& slope) const;
   int node(int i, int j, int k) const;
   double spline(int direction, int i, int order, int derivative, const Spans& s) const;
 

@@ -32,7 +32,6 @@ Recorder::Recorder(const World& world, const ImplicitStep& step, const std::file
       step_(step),
       folder_(folder),
       dimension_(world.spec.dimension()),
-      n_points_(world.n_points()),
       points_pvd_((folder / "points.pvd").string()),
       mesh_pvd_((folder / "mesh.pvd").string()) {
   fit_probes();

@@ -91,7 +91,6 @@ private:
   const ImplicitStep& step_;
   std::filesystem::path folder_;
   int dimension_;
-  long n_points_ = 0;  ///< at the start
   std::vector<NamedProbe> probes_;
   std::unique_ptr<HistoryWriter> history_;
   PvdWriter points_pvd_, mesh_pvd_;

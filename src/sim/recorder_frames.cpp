@@ -112,6 +112,7 @@ VtuData Recorder::mesh_data() const {
   const Mesh& mesh = d.mesh();
   const std::vector<int>& cells = mpm ? mpm->active_cells() : fem->elements();
 
+  const std::vector<std::vector<int>> points = mpm ? mpm->points_by_cell() : std::vector<std::vector<int>>{};
   VtuData data;
   std::vector<double> displacement, fill, stress, damage;
   std::vector<int> body;
@@ -139,7 +140,7 @@ VtuData Recorder::mesh_data() const {
       s += m.volume[p] * m.stress[p];
     };
     if (mpm)
-      for (int p : mpm->points_in(static_cast<int>(k))) add(p);
+      for (int p : points[k]) add(p);
     else
       for (int p = fem->first_point()[k]; p < fem->first_point()[k + 1]; ++p) add(p);
     if (volume > 0.0) {

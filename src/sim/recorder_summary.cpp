@@ -4,6 +4,7 @@
 
 #include "mesh/region.hpp"
 #include "sim/recorder.hpp"
+#include "transfer/mpm.hpp"
 
 namespace berm {
 
@@ -103,6 +104,8 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       best = std::abs(at - 0.5 * load);
       noise = value;
     }
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
+  const long lost = mpm ? mpm->points_made() - world_.n_points() : 0;
   const double stored = stored_energy(), dissipated = dissipated_energy();
   std::vector<std::pair<std::string, double>> list = {
       {"peak_load [N]", load},
@@ -115,7 +118,7 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
       {"cut_steps [-]", double(cut_steps_)},
       {"newton_iterations [-]", double(newton_iterations_)},
-      {"points_lost [-]", double(n_points_ - world_.n_points())}};
+      {"points_lost [-]", double(lost)}};
   const MaterialState& m = world_.discretisation->material;
   if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
   return list;

@@ -87,8 +87,25 @@ Grid make_grid(const Case& c) {
   return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
 }
 
-int degree_of(ShapeFunctions functions) {
-  return functions == ShapeFunctions::linear ? 1 : functions == ShapeFunctions::quadratic_bspline ? 2 : 3;
+ShapeChoice shape_choice(const Case& c) {
+  using Domain = ShapeChoice::Domain;
+  const bool follows = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+  switch (c.shape_functions) {
+    case ShapeFunctions::linear:
+      return {};
+    case ShapeFunctions::quadratic_bspline:
+      return {.degree = 2};
+    case ShapeFunctions::cubic_bspline:
+      return {.degree = 3};
+    case ShapeFunctions::ugimp:
+      return {.degree = 1, .domain = Domain::box};
+    case ShapeFunctions::cpgimp:
+      return {.degree = 1, .domain = Domain::box, .follows = follows};
+    case ShapeFunctions::b2gimp:
+      return {.degree = 2, .domain = Domain::box, .follows = follows};
+    default:
+      return {.degree = 1, .domain = Domain::parallelepiped, .follows = follows};
+  }
 }
 
 /// The same for grids from files as check_mixed of the case for those of cells.
@@ -103,7 +120,7 @@ void build_mpm(World& w) {
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
   auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
-                                                 c.volumetric, degree_of(c.shape_functions));
+                                                 c.volumetric, shape_choice(c));
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
@@ -131,7 +148,9 @@ void build_mpm(World& w) {
       }
     } else {
       const Region region(*body.shape, h);
-      points = seed_from_grid(region, mpm->grid(), body.points, body.name);
+      PointSeeding seeding = body.points;
+      if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
+      points = seed_from_grid(region, mpm->grid(), seeding, body.name);
       add_surface_of_shape(c, index, region, spacing, surface);
     }
     mpm->add_body(index, body.name, material, points, c.thickness);

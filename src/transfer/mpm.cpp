@@ -20,16 +20,29 @@ std::string text_of(const Vec3& x, int dimension) {
                         : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }
 
-/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, then what the material keeps.
-constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1;
+/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, then what the material keeps.
+constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1 + 9;
+
+/// Domain of a point of the given area (volume): a box along the axes of a grid of boxes, in the ratios of its cells; on
+/// other grids a square or cube.
+Mat3 edges_of_seed(const Grid& grid, const Mat3& to_own_axes, double measure) {
+  const int d = grid.dimension();
+  Vec3 cell = Vec3::Ones();
+  const StructuredGrid* s = grid.structure.get();
+  if (s && (s->kind == GridKind::quads || s->kind == GridKind::hexahedra)) cell.head(d) = s->cell_size.head(d);
+  Vec3 edges = Vec3::Zero();
+  edges.head(d) = cell.head(d) * std::pow(measure / cell.head(d).prod(), 1.0 / d);
+  return to_own_axes.transpose() * edges.asDiagonal();
+}
 
 }  // namespace
 
 MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalty, Formulation formulation,
-                                     const Comm& comm, Volumetric volumetric, int degree)
+                                     const Comm& comm, Volumetric volumetric, ShapeChoice shapes)
     : Discretisation(comm),
       grid_(std::move(grid)),
-      basis_(grid_, degree),
+      basis_(grid_, shapes.degree),
+      shapes_(shapes),
       space_(space),
       ghost_penalty_(ghost_penalty),
       total_lagrangian_(formulation == Formulation::total_lagrangian),
@@ -47,7 +60,12 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
   }
   set_fields({}, 1);
   cell_size_ = std::pow(sum / grid_.mesh.n_cells(), 1.0 / dimension());
-  stride_ = basis_.most_nodes() * (1 + dimension());
+  const int d = dimension(), wide = shapes.degree + 2;
+  using Domain = ShapeChoice::Domain;
+  most_nodes_ = shapes.domain == Domain::none  ? basis_.most_nodes()
+                : shapes.domain == Domain::box ? (d == 3 ? wide * wide * wide : wide * wide)
+                                               : (d == 3 ? 64 : 16);
+  stride_ = most_nodes_ * (1 + d);
 }
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
@@ -74,7 +92,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     const double radius = x.x() + (points.shift.empty() ? 0.0 : points.shift[p].x());
     volume.push_back(points.measure[p] * depth(space_, thickness, radius));
     length.push_back(l);
-    id_.push_back(n_points_ + static_cast<std::int64_t>(p));
+    id_.push_back(next_id_ + static_cast<std::int64_t>(p));
     X_.push_back(x);
     x_.push_back(x);
     for (auto* list : {&u_, &v_, &a_}) list->push_back(Vec3::Zero());
@@ -85,8 +103,9 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     home_.push_back(points.shift.empty() ? -1 : cell);
     shift_.push_back(points.shift.empty() ? Vec3::Zero() : points.shift[p]);
     stretch_.push_back(1.0);
+    edges_.push_back(edges_of_seed(grid_, basis_.to_own_axes(), points.measure[p]));
   }
-  n_points_ += static_cast<std::int64_t>(points.x.size());
+  next_id_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);
   numbered_ = false;
 }
@@ -119,13 +138,14 @@ void MpmDiscretisation::write_row(int p, double* row) const {
   *row++ = home_[p];
   row = std::copy_n(shift_[p].data(), 3, row);
   *row++ = stretch_[p];
+  row = std::copy_n(edges_[p].data(), 9, row);
   material.write_row(p, row);
 }
 
 /// The points of all slices from rows; ascending ids make sums independent of the way the points came.
 void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& rows_of_slice) {
   id_.clear(), X_.clear(), x_.clear(), u_.clear(), v_.clear(), a_.clear(), C_.clear(), mass_.clear(), measure_.clear();
-  home_.clear(), shift_.clear(), stretch_.clear();
+  home_.clear(), shift_.clear(), stretch_.clear(), edges_.clear();
   std::vector<std::vector<double>> material_rows(rows_of_slice.size());
   for (std::size_t s = 0; s < rows_of_slice.size(); ++s) {
     const int width = row_width(static_cast<int>(s));
@@ -149,6 +169,8 @@ void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& row
       shift_.emplace_back(row[0], row[1], row[2]);
       row += 3;
       stretch_.push_back(*row++);
+      edges_.push_back(Eigen::Map<const Mat3>(row));
+      row += 9;
       material_rows[s].insert(material_rows[s].end(), row, rows.data() + at + width);
     }
   }
@@ -212,6 +234,7 @@ void MpmDiscretisation::send_points() {
 }
 
 void MpmDiscretisation::move_points(double rebalance) {
+  if (shapes_.domain != ShapeChoice::Domain::none) split_points();
   find_cells();
   if (comm_.size() == 1) return;
   share_cells(rebalance);
@@ -221,6 +244,8 @@ void MpmDiscretisation::move_points(double rebalance) {
 
 void MpmDiscretisation::restore_points(const std::vector<std::vector<double>>& rows_of_slice) {
   place_points(rows_of_slice);
+  const auto last = std::max_element(id_.begin(), id_.end());
+  next_id_ = std::max<std::int64_t>(next_id_, comm_.max(last == id_.end() ? 0L : static_cast<long>(*last + 1)));
   shared_out_ = numbered_ = false;
 }
 
@@ -239,8 +264,14 @@ std::vector<Vec3> MpmDiscretisation::points_inside(const Region& region, const s
 // ---- connectivity
 
 void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
-  sort_points(anchors);
-  evaluate_shapes();
+  if (shapes_.domain == ShapeChoice::Domain::none) {
+    sort_points(anchors);
+    evaluate_shapes();
+    weigh_cells();
+  } else {
+    look_at_domains(anchors);
+  }
+  push_.resize(x_.size(), Mat3::Identity());
   remote_.clear();
   if (comm_.size() > 1 && ghost_penalty_ > 0.0) ask_neighbours();
   build_faces();
@@ -274,6 +305,13 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
   std::vector<int> next(first_.begin(), first_.end() - 1);
   for (std::size_t p = 0; p < x_.size(); ++p) order_[next[active_index_[layered_[p]]]++] = static_cast<int>(p);
 
+  patch_nodes_ = {};
+  std::vector<int> list;
+  for (int c : active_cells_) {
+    list.clear();
+    for (int node : basis_.nodes_of(grid_cell(c))) list.push_back(node + field_of(c) * basis_.n_nodes());
+    patch_nodes_.add(list);
+  }
   cells_.assign(active_cells_.size(), {});
   for (const Anchor* a : anchors)
     if (a->rigid) cells_[active_index_[layered_cell(a->cell, a->body)]].holds_rigid = 1;
@@ -281,7 +319,6 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
 
 void MpmDiscretisation::evaluate_shapes() {
   shape_.resize(x_.size() * stride_);
-  push_.resize(x_.size(), Mat3::Identity());
   const int d = dimension();
   comm_.agree([&] {
     BasisAt shape;
@@ -294,6 +331,10 @@ void MpmDiscretisation::evaluate_shapes() {
         for (int k = 0; k < shape.n; ++k) s = std::copy_n(shape.grad[k].data(), d, s);
       }
   });
+}
+
+/// Fill and stiffness of the active cells from the points in them.
+void MpmDiscretisation::weigh_cells() {
   int slice = 0;
   std::vector<double> measure(active_cells_.size(), 0.0);
   for (std::size_t p = 0; p < x_.size(); ++p) {
@@ -306,6 +347,13 @@ void MpmDiscretisation::evaluate_shapes() {
     cells_[a].fill = measure[a] / cell_measure(grid_.mesh, grid_cell(active_cells_[a]));
     if (measure[a] > 0.0) cells_[a].stiffness /= measure[a];
   }
+}
+
+std::vector<std::vector<int>> MpmDiscretisation::points_by_cell() const {
+  std::vector<std::vector<int>> out(active_cells_.size());
+  for (std::size_t p = 0; p < x_.size(); ++p)
+    if (const int a = active_index_[layered_[p]]; a >= 0) out[a].push_back(static_cast<int>(p));
+  return out;
 }
 
 /// Tells the owners of neighbouring cells about the active cells at the border.
@@ -426,12 +474,16 @@ MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int 
 void MpmDiscretisation::number_nodes() {
   std::vector<std::pair<int, int>> pairs;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
-    faces_[f].block = static_cast<int>(active_cells_.size() + f);
+    faces_[f].block = n_patches() + static_cast<int>(f);
     pairs.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
   }
   std::vector<int> filled = mixed_ ? filled_cells() : std::vector<int>{};
-  if (comm_.all(numbered_ && active_cells_ == numbered_cells_ && filled == numbered_filled_ && pairs == numbered_faces_))
+  first_anchor_block_ = n_patches() + static_cast<int>(faces_.size());
+  if (comm_.all(numbered_ && patch_nodes_ == numbered_patches_ && active_cells_ == numbered_cells_ &&
+                anchor_cells_ == numbered_anchors_ && filled == numbered_filled_ && pairs == numbered_faces_))
     return;
+  numbered_patches_ = patch_nodes_;
+  numbered_anchors_ = anchor_cells_;
   numbered_cells_ = active_cells_;
   numbered_filled_ = std::move(filled);
   numbered_faces_ = std::move(pairs);
@@ -441,6 +493,7 @@ void MpmDiscretisation::number_nodes() {
   std::vector<char> touched(local_node_.size(), 0);
   const int layer = basis_.n_nodes();
   const auto layered_node = [&](int node, int layered_cell) { return node + field_of(layered_cell) * layer; };
+  for (int node : patch_nodes_.nodes) touched[node] = 1;
   for (int c : active_cells_)
     for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
@@ -466,8 +519,13 @@ void MpmDiscretisation::number_nodes() {
     for (int node : own) list.push_back(local_node_[layered_node(node, cell)]);
     blocks.add(list);
   };
-  for (int c : active_cells_) add_block(basis_.nodes_of(grid_cell(c)), c);
+  for (int b = 0; b < n_patches(); ++b) {
+    list.clear();
+    for (int node : patch_nodes_[b]) list.push_back(local_node_[node]);
+    blocks.add(list);
+  }
   for (const Face& f : faces_) add_block(f.node, f.cell_a);
+  for (int c : anchor_cells_) add_block(basis_.nodes_of(grid_cell(c)), c);
   add_pressure_blocks();
   pair_nodes();
 }
@@ -490,7 +548,9 @@ void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
         s.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
       }
     }
-    a.block = active_index_[layered];
+    const auto own = std::lower_bound(anchor_cells_.begin(), anchor_cells_.end(), layered);
+    a.block = own == anchor_cells_.end() ? active_index_[layered]
+                                         : first_anchor_block_ + static_cast<int>(own - anchor_cells_.begin());
     a.stencil = &s;
     a.by_reference = total_lagrangian_;
   }
@@ -533,11 +593,11 @@ double MpmDiscretisation::hoop_gradient(const double* s, int n, double r, int k)
 template <int dimension, bool hoop>
 void MpmDiscretisation::trial_gradients(const NodalVector& du, Kinematics kinematics) {
   std::array<Vec3, BasisAt::most> d;
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    const std::span<const int> list = blocks[static_cast<int>(a)];
+  for (int a = 0; a < n_patches(); ++a) {
+    const std::span<const int> list = blocks[a];
     const int n = static_cast<int>(list.size());
     for (int k = 0; k < n; ++k) d[k] = du[list[k]];
-    for (int p : points_in(static_cast<int>(a))) {
+    for (int p : points_in(a)) {
       const double* s = shape(p);
       Mat3 grad = Mat3::Zero();
       for (int k = 0; k < n; ++k)
@@ -575,12 +635,12 @@ Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& set
 template <int dimension, bool hoop>
 void MpmDiscretisation::internal_force(NodalVector& f) const {
   std::array<Vec3, BasisAt::most> sum;
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    const std::span<const int> list = blocks[static_cast<int>(a)];
+  for (int a = 0; a < n_patches(); ++a) {
+    const std::span<const int> list = blocks[a];
     const int n = static_cast<int>(list.size());
     std::fill_n(sum.begin(), n, Vec3::Zero());
     const bool averaged = f_bar_ && first_group_[a + 1] > first_group_[a];  // its mean stress: add_mean_pressure
-    for (int p : points_in(static_cast<int>(a))) {
+    for (int p : points_in(a)) {
       const double* s = shape(p);
       Mat3 tau = response_detail::tensor(material.trial[p].stress) * material.volume[p];
       if (averaged) tau.diagonal().head(volumetric_directions()).array() -= mean_stress_volume(p);
@@ -647,13 +707,12 @@ void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, do
 
 template <int dimension, bool hoop>
 void MpmDiscretisation::tangent(const LawSettings& settings, BlockAssembler& matrix) const {
-  const std::size_t width = std::size_t(dimension) * basis_.most_nodes();
+  const std::size_t width = std::size_t(dimension) * most_nodes_;
   std::vector<double> K(width * width);
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-    const int block = static_cast<int>(a);
+  for (int block = 0; block < n_patches(); ++block) {
     with_nodes<dimension>(static_cast<int>(blocks[block].size()), [&]<int n>() {
       if constexpr (n <= (1 << dimension))
-        if (mixed_ && pressure_block_[a] >= 0) return mixed_tangent<dimension, hoop, n>(block, settings, matrix);
+        if (mixed_ && pressure_block_[block] >= 0) return mixed_tangent<dimension, hoop, n>(block, settings, matrix);
       bool done = false;
       if constexpr (n > dimension + 1) {
         if (f_bar_) f_bar_tangent<dimension, hoop, n>(block, settings, K.data());
@@ -708,10 +767,10 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
   comm_.agree([&] {
     material.commit();
     if ((f_bar_ || mixed_) && move) stretch_ = trial_stretch_;
-    for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-      const std::span<const int> list = blocks[static_cast<int>(a)];
+    for (int a = 0; a < n_patches(); ++a) {
+      const std::span<const int> list = blocks[a];
       const int n = static_cast<int>(list.size());
-      for (int p : points_in(static_cast<int>(a))) {
+      for (int p : points_in(a)) {
         // A point with a fitted quadrature sees the functions of a shifted place, but moves with its own.
         const Vec3 back = cell_[p] == home_[p] ? shift_[p] : Vec3::Zero();
         const double* s = shape(p);

@@ -14,13 +14,22 @@
 
 namespace berm {
 
+/// What a point means over which part of space (docs/adr/0014).
+struct ShapeChoice {
+  enum class Domain { none, box, parallelepiped };  ///< values at the point; over a box; between the corners of E
+  int degree = 1;                                   ///< of the grid's functions (GridBasis)
+  Domain domain = Domain::none;
+  bool follows = false;  ///< the domain deforms with the body, else it keeps its edges of the start
+};
+
 class MpmDiscretisation final : public Discretisation {
 public:
-  /// ghost_penalty: factor on E of the face stabilisation, 0 for none; degree: of the shape functions (GridBasis). Throws
-  /// InputError if the volumetric strain is to be averaged over cells of which none is a quad or a hexahedron.
+  /// ghost_penalty: factor on E of the face stabilisation, 0 for none. Domains that follow are for finite strain, boxes for
+  /// structured grids of quads or hexahedra, both for Volumetric::standard. Throws InputError if the volumetric strain is
+  /// to be averaged over cells of which none is a quad or a hexahedron.
   MpmDiscretisation(Grid grid, Space space, double ghost_penalty,
                     Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {},
-                    Volumetric volumetric = Volumetric::standard, int degree = 1);
+                    Volumetric volumetric = Volumetric::standard, ShapeChoice shapes = {});
 
   /// Adds the points of one body; every process gives all of them, process 0 keeps them until the first move_points.
   /// Throws InputError if a point lies outside of the grid or its cell is too large for the law's fracture energy.
@@ -76,10 +85,16 @@ public:
   const std::vector<int>& active_cells() const { return active_cells_; }
   int grid_cell(int layered) const { return layered % grid_.mesh.n_cells(); }
   double fill(int active_index) const { return cells_[active_index].fill; }
-  /// Points of an active cell.
-  std::span<const int> points_in(int active_index) const {
-    return {order_.data() + first_[active_index], order_.data() + first_[active_index + 1]};
+  /// Points of a patch, of which all talk to the same nodes, those of the block with its number. Without domains the
+  /// patches are the active cells.
+  std::span<const int> points_in(int patch) const {
+    return {order_.data() + first_[patch], order_.data() + first_[patch + 1]};
   }
+  /// Points that there have been on all processes: those of the start and those that came by splitting.
+  long points_made() const { return static_cast<long>(next_id_); }
+  int n_patches() const { return patch_nodes_.size(); }
+  /// Points that lie in each active cell.
+  std::vector<std::vector<int>> points_by_cell() const;
 
 private:
   /// What the stabilisation wants to know of an active cell.
@@ -109,6 +124,15 @@ private:
   void send_points();
   void sort_points(const std::vector<Anchor*>& anchors);
   void evaluate_shapes();
+  void weigh_cells();
+  // domains of points (mpm_domains.cpp)
+  void look_at_domains(const std::vector<Anchor*>& anchors);
+  Cover cover_of(int p, BasisAt& shape) const;
+  void weigh_covered_cells(const std::map<int, CellState>& covered, const std::vector<Anchor*>& anchors);
+  Mat3 edges(int p) const;
+  Vec3 box_edges(int p) const;
+  int edge_to_split(int p) const;
+  void split_points();
   void ask_neighbours();
   const CellState* cell_state(int cell) const;
   void build_faces();
@@ -187,6 +211,7 @@ private:
 
   Grid grid_;
   GridBasis basis_;
+  ShapeChoice shapes_;
   Space space_;
   double ghost_penalty_ = 0.0;
   bool total_lagrangian_ = false;
@@ -203,8 +228,7 @@ private:
   /// Calls work(local nodes, point, its shape) for all points.
   template <class Work>
   void for_points(Work work) const {
-    for (std::size_t a = 0; a < active_cells_.size(); ++a) {
-      const int block = static_cast<int>(a);
+    for (int block = 0; block < n_patches(); ++block) {
       const std::span<const int> list = blocks[block];
       for (int p : points_in(block)) work(list, p, shape(p));
     }
@@ -221,6 +245,7 @@ private:
   std::vector<Vec3> v_, a_;      ///< velocity, acceleration
   std::vector<Mat3> C_;          ///< velocity gradient that the point carries (apic), else zero
   std::vector<double> mass_, measure_;
+  std::vector<Mat3> edges_;  ///< of the domain at the start, by columns [m]
   std::vector<int> cell_;
   std::vector<int> layered_;  ///< of the step
   std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1
@@ -233,8 +258,9 @@ private:
   std::vector<double> bulk_, shear_;   ///< mixed: elastic moduli, (48) [Pa]
   std::vector<double> nodal_pressure_;  ///< mixed: trial increments, tension positive [Pa]
   std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (49)
+  int most_nodes_ = 0;      ///< of a patch
   int stride_ = 0;          ///< of shape_
-  std::int64_t n_points_ = 0;  ///< of all processes
+  std::int64_t next_id_ = 0;  ///< points that there have been, on all processes
 
   std::vector<double> youngs_of_slice_;  ///< scales the stabilisation (plane: times thickness)
 
@@ -242,6 +268,9 @@ private:
   int n_fields_ = 1;
   std::vector<Interface> interfaces_;
 
+  Blocks patch_nodes_;                            ///< layered nodes of the basis; block b is of patch b
+  std::vector<int> anchor_cells_;                 ///< domains: layered cells with blocks of their own for anchors
+  int first_anchor_block_ = 0;
   std::vector<int> active_cells_, active_index_;  ///< layered cell -> index or -1
   std::vector<CellState> cells_;                  ///< by active index
   std::map<int, CellState> remote_;               ///< active cells of other processes at the border
@@ -255,7 +284,8 @@ private:
   std::vector<int> local_node_;  ///< layered node -> local node or -1
 
   // what the present node numbers were made for
-  std::vector<int> numbered_cells_, numbered_filled_;
+  Blocks numbered_patches_;
+  std::vector<int> numbered_cells_, numbered_anchors_, numbered_filled_;
   std::vector<std::pair<int, int>> numbered_faces_;
   bool numbered_ = false;
 };

@@ -24,6 +24,9 @@ void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
   if (step.allFinite()) phi.head(unknowns) -= step;
 }
 
+/// Lists of patches that have fewer nodes than their block repeat the first one (docs/adr/0014).
+bool is_filling(std::span<const int> list, std::size_t k) { return k > 0 && list[k] == list[0]; }
+
 }  // namespace
 
 /// Pairs of nodes of different fields at the same place, and their blocks.
@@ -91,8 +94,9 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
     std::fill(sum.begin(), sum.end(), 0.0);
     for_points([&](std::span<const int> list, int p, const double*) {
       const double weight = measure_[p] * swollen(p) / std::pow(cell_size_, d);
-      for (const int node : list) {
-        if (label[node] == 0.0) continue;
+      for (std::size_t k = 0; k < list.size(); ++k) {
+        const int node = list[k];
+        if (label[node] == 0.0 || is_filling(list, k)) continue;
         Eigen::Vector4d xi = Eigen::Vector4d::Zero();
         xi.head(d) = (seen(p) - nodes[node]).head(d) / cell_size_;
         xi[d] = 1.0;
@@ -141,7 +145,7 @@ void MpmDiscretisation::gaps_of_interfaces() {
   std::vector<double> reach(n_nodes(), -infinity);
   for_points([&](std::span<const int> list, int p, const double*) {
     const double half = 0.5 * std::pow(measure_[p] * swollen(p), 1.0 / d);
-    for (const int node : list)
+    for (const int node : list)  // the same one twice does no harm
       if (!normal[node].isZero(0.0))
         reach[node] = std::max(reach[node], normal[node].dot(seen(p) - nodes[node]) + half);
   });

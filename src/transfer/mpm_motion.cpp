@@ -27,10 +27,9 @@ void MpmDiscretisation::add_motion(std::vector<double>& mass, NodalVector& momen
 /// M_IJ = sum m N_I N_J   [dynamics (3)]
 void MpmDiscretisation::add_inertia(double factor, const NodalVector& a, NodalVector& f, BlockAssembler* matrix) const {
   const int d = dimension();
-  const std::size_t most = basis_.most_nodes();
+  const std::size_t most = most_nodes_;
   std::vector<double> M(most * most), K(d * most * d * most);
-  for (std::size_t active = 0; active < active_cells_.size(); ++active) {
-    const int block = static_cast<int>(active);
+  for (int block = 0; block < n_patches(); ++block) {
     const std::span<const int> list = blocks[block];
     const int n = static_cast<int>(list.size());
     std::fill_n(M.begin(), n * n, 0.0);

@@ -175,7 +175,7 @@ TEST(GridBasis, MeansOfLinearFunctionsAreThoseOfGimp) {
   for (int trial = 0; trial < 1000; ++trial) {
     const Vec3 edges(0.1 * unit(random), 0.2 * unit(random), 0.0);
     const Vec3 x(-0.15 + 0.2 * unit(random), 0.4 + 0.4 * unit(random), 0.0);
-    basis.average(x, edges, out);
+    basis.average_box(x, edges, out);
     for (int k = 0; k < out.n; ++k) {
       ASSERT_GE(out.nodes[k], 0);
       const Vec3 to = x - basis.places()[out.nodes[k]];
@@ -200,7 +200,8 @@ TEST(GridBasis, MeansKeepLinearFieldsAndTheirGradientsAreDerivatives) {
       }
       if (d == 2) y.z() = edges.z() = 0.0;
       const Vec3 x = turn * (y + grid.structure->origin);
-      const int cell = basis.average(x, edges, at);
+      const Cover cover = basis.average_box(x, edges, at);
+      const int cell = cover.cell[0];
       EXPECT_EQ(cell, grid.locator->locate(turn * (y - 0.5 * edges + grid.structure->origin), -1));
       double sum = 0.0;
       Vec3 place = Vec3::Zero();
@@ -220,8 +221,8 @@ TEST(GridBasis, MeansKeepLinearFieldsAndTheirGradientsAreDerivatives) {
       EXPECT_LT((gradient - Mat3::Identity()).topLeftCorner(d, d).norm(), 1e-10);
       for (int i = 0; i < d; ++i) {
         constexpr double h = 1e-6;
-        if (basis.average(x + h * Vec3::Unit(i), edges, ahead) != cell ||
-            basis.average(x - h * Vec3::Unit(i), edges, behind) != cell)
+        if (basis.average_box(x + h * Vec3::Unit(i), edges, ahead).cell[0] != cell ||
+            basis.average_box(x - h * Vec3::Unit(i), edges, behind).cell[0] != cell)
           continue;
         for (int k = 0; k < at.n; ++k)
           EXPECT_NEAR(at.grad[k][i], (ahead.N[k] - behind.N[k]) / (2.0 * h), 1e-3);  // kinks: order h
@@ -236,12 +237,12 @@ TEST(GridBasis, MeansCutBoxesAtTheEdge) {
     const Grid grid = grid_of(2);
     const GridBasis basis(grid, degree);
     BasisAt at;
-    EXPECT_EQ(basis.average(Vec3(-0.3, 0.2, 0.0), Vec3(0.1, 0.2, 0.0), at), 0);
+    EXPECT_EQ(basis.average_box(Vec3(-0.3, 0.2, 0.0), Vec3(0.1, 0.2, 0.0), at).cell[0], 0);
     Vec3 place = Vec3::Zero();
     for (int k = 0; k < at.n; ++k)
       if (at.nodes[k] >= 0) place += at.N[k] * basis.places()[at.nodes[k]];
     EXPECT_LT((place - Vec3(-0.275, 0.25, 0.0)).norm(), 1e-12);
-    EXPECT_EQ(basis.average(Vec3(0.2, 1.0, 0.0), Vec3(0.1, 0.2, 0.0), at), 19);
+    EXPECT_EQ(basis.average_box(Vec3(0.2, 1.0, 0.0), Vec3(0.1, 0.2, 0.0), at).cell[0], 19);
   }
 }
 
