@@ -132,6 +132,20 @@ void seed_whole_cell(const Part& cell, const PointSeeding& seeding, SeededPoints
   }
 }
 
+/// Edges of a box about the centroid of the piece of body in a part, no face of which leaves the part: those of the piece
+/// where one face of the body along the grid cuts it.
+Vec3 box_of_piece(const Part& part, const Vec3& centroid) {
+  Vec3 edges = Vec3::Zero();
+  if (is_simplex(part.kind)) return edges;
+  constexpr int neighbour[] = {1, 3, 4};
+  for (int k = 0; k < dimension_of(part.kind); ++k) {
+    const Vec3 edge = part.corners.x[neighbour[k]] - part.corners.x[0];
+    const double at = (centroid - part.corners.x[0]).dot(edge) / edge.squaredNorm();
+    edges[k] = 2.0 * std::max(std::min(at, 1.0 - at), 1e-6) * edge.norm();
+  }
+  return edges;
+}
+
 Part part_of(const Mesh& mesh, int cell) { return {linear_kind(mesh.kinds[cell]), corners(mesh, cell)}; }
 
 constexpr double sliver = 1e-12;  ///< of a part: less is rounding, not material
@@ -155,7 +169,7 @@ void seed_cells(const Region& region, const Grid& grid, const PointSeeding& seed
     }
     for (const Part& part : parts_of(cell, seeding.per_direction)) {
       const Piece piece = region.clip(part.kind, part.corners);
-      if (piece.measure > sliver * measure_of(part)) out.add(piece.centroid, piece.measure);
+      if (piece.measure > sliver * measure_of(part)) out.add(piece.centroid, piece.measure, box_of_piece(part, piece.centroid));
     }
   }
 }
@@ -171,17 +185,28 @@ void seed_boxes(const SolidRegion& region, const Grid& grid, const PointSeeding&
   region.for_each_box(
       boxes, [&](int i, int j, int k, const SolidPiece&, bool full) { kind[index(i, j, k)] = full ? whole : cut; });
   // Parts of cut cells, by cell: all cells in ascending order, as on any other grid.
-  std::vector<std::pair<int, SolidPiece>> pieces;
+  struct Cut {
+    int cell, part;
+    SolidPiece piece;
+  };
+  std::vector<Cut> pieces;
   boxes.divisions = {n, n, n};
   region.for_each_box(boxes, [&](int i, int j, int k, const SolidPiece& piece, bool) {
     const int cell = index(i / n, j / n, k / n);
-    if (kind[cell] == cut) pieces.emplace_back(cell, piece);
+    if (kind[cell] == cut) pieces.push_back({cell, (k % n * n + j % n) * n + i % n, piece});
   });
-  std::stable_sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Cut& a, const Cut& b) { return a.cell < b.cell; });
   auto next = pieces.begin();
   for (int c = 0; c < grid.mesh.n_cells(); ++c) {
-    if (kind[c] == whole) seed_whole_cell(part_of(grid.mesh, c), seeding, out);
-    for (; next != pieces.end() && next->first == c; ++next) out.add(next->second.centroid, next->second.volume);
+    if (kind[c] == empty) continue;
+    const Part cell = part_of(grid.mesh, c);
+    if (kind[c] == whole) {
+      seed_whole_cell(cell, seeding, out);
+      continue;
+    }
+    const std::vector<Part> parts = box_parts(cell, n);
+    for (; next != pieces.end() && next->cell == c; ++next)
+      out.add(next->piece.centroid, next->piece.volume, box_of_piece(parts[next->part], next->piece.centroid));
   }
 }
 

@@ -13,10 +13,13 @@ struct SeededPoints {
   std::vector<Vec3> x;
   std::vector<double> measure;  ///< area [m2] or volume [m3]
   std::vector<Vec3> shift;      ///< see fit_to_cells; empty: none
+  /// Ratios of the edges, along the axes of the grid, of the boxes that the points stand for; zero: those of the cells.
+  std::vector<Vec3> box;
 
-  void add(const Vec3& place, double size) {
+  void add(const Vec3& place, double size, const Vec3& edges = Vec3::Zero()) {
     x.push_back(place);
     measure.push_back(size);
+    box.push_back(edges);
   }
 };
 

@@ -23,13 +23,14 @@ std::string text_of(const Vec3& x, int dimension) {
 /// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, then what the material keeps.
 constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1 + 9;
 
-/// Domain of a point of the given area (volume): a box along the axes of a grid of boxes, in the ratios of its cells; on
-/// other grids a square or cube.
-Mat3 edges_of_seed(const Grid& grid, const Mat3& to_own_axes, double measure) {
+/// Domain of a point of the given area (volume): a box along the axes of a grid of boxes, in the given ratios or those of
+/// its cells; on other grids a square or cube.
+Mat3 edges_of_seed(const Grid& grid, const Mat3& to_own_axes, double measure, const Vec3& box) {
   const int d = grid.dimension();
   Vec3 cell = Vec3::Ones();
   const StructuredGrid* s = grid.structure.get();
-  if (s && (s->kind == GridKind::quads || s->kind == GridKind::hexahedra)) cell.head(d) = s->cell_size.head(d);
+  if (s && (s->kind == GridKind::quads || s->kind == GridKind::hexahedra))
+    cell.head(d) = box.isZero(0.0) ? s->cell_size.head(d) : box.head(d);
   Vec3 edges = Vec3::Zero();
   edges.head(d) = cell.head(d) * std::pow(measure / cell.head(d).prod(), 1.0 / d);
   return to_own_axes.transpose() * edges.asDiagonal();
@@ -103,7 +104,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     home_.push_back(points.shift.empty() ? -1 : cell);
     shift_.push_back(points.shift.empty() ? Vec3::Zero() : points.shift[p]);
     stretch_.push_back(1.0);
-    edges_.push_back(edges_of_seed(grid_, basis_.to_own_axes(), points.measure[p]));
+    edges_.push_back(edges_of_seed(grid_, basis_.to_own_axes(), points.measure[p], points.box[p]));
   }
   next_id_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);

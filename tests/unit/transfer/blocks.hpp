@@ -66,11 +66,12 @@ inline Grid grid_of(Space space, GridKind kind) {
 }
 
 /// A block from a to b times h in every direction.
-inline void add_block(MpmDiscretisation& mpm, Space space, int body, const Material& material, double a, double b) {
+inline void add_block(MpmDiscretisation& mpm, Space space, int body, const Material& material, double a, double b,
+                      const PointSeeding& seeding = {}) {
   const Vec3 low = corner + Vec3::Constant(a * h), high = corner + Vec3::Constant(b * h);
   const Shape shape = space == Space::solid ? Shape(SolidShape{SolidBox{low, high}})
                                             : Shape(PlaneShape{Box{in_plane(low), in_plane(high)}});
-  mpm.add_body(body, "block", material, seed_from_grid(Region(shape, h), mpm.grid(), {}, "block"), 1.0);
+  mpm.add_body(body, "block", material, seed_from_grid(Region(shape, h), mpm.grid(), seeding, "block"), 1.0);
 }
 
 /// A block that cuts cells.

@@ -21,7 +21,11 @@ std::unique_ptr<MpmDiscretisation> make(const Choice& c, Space space, Formulatio
                                         GridKind kind, double a = 0.37, double b = cells - 0.57) {
   auto mpm = std::make_unique<MpmDiscretisation>(grid_of(space, kind), space, 0.0, formulation, Comm{},
                                                  Volumetric::standard, ShapeChoice{c.degree, c.domain, follows});
-  add_block(*mpm, space, 0, elastic(), a, b);
+  Material material = elastic();
+  material.density = 2000.0;
+  PointSeeding seeding;
+  seeding.placement = PointSeeding::Placement::uniform;
+  add_block(*mpm, space, 0, material, a, b, seeding);
   mpm->move_points(1.2);
   mpm->begin_step({});
   return mpm;
