@@ -38,7 +38,11 @@ const Variant updated{"mpm, updated Lagrangian", "mpm", "updated_lagrangian"},
     total{"mpm, total Lagrangian", "mpm", "total_lagrangian"}, quad4{"fem, quad4", "fem", "updated_lagrangian"},
     quad8{"fem, quad8", "fem", "updated_lagrangian", 2},
     quadratic{"mpm, updated Lagrangian, quadratic B-splines", "mpm", "updated_lagrangian", 1, "quadratic_bspline"},
-    cubic{"mpm, updated Lagrangian, cubic B-splines", "mpm", "updated_lagrangian", 1, "cubic_bspline"};
+    cubic{"mpm, updated Lagrangian, cubic B-splines", "mpm", "updated_lagrangian", 1, "cubic_bspline"},
+    ugimp{"mpm, updated Lagrangian, uGIMP", "mpm", "updated_lagrangian", 1, "ugimp"},
+    cpgimp{"mpm, updated Lagrangian, cpGIMP", "mpm", "updated_lagrangian", 1, "cpgimp"},
+    b2gimp{"mpm, updated Lagrangian, B2-GIMP", "mpm", "updated_lagrangian", 1, "b2gimp"},
+    cpdi{"mpm, updated Lagrangian, CPDI", "mpm", "updated_lagrangian", 1, "cpdi"};
 
 struct Errors {
   double stress = 0.0, displacement = 0.0;  ///< AMPLE's norm over the stress at the base; L2, relative
@@ -190,7 +194,7 @@ TEST(SelfWeightColumn, UpdatedLagrangianDoesNotConverge) {
 
 /// Smooth functions lose nothing where points cross cells. What is left is the quadrature by points that have moved: it
 /// falls slowly, but from a thirtieth to a thousandth of what linear functions have.
-TEST(SelfWeightColumn, BSplines) {
+TEST(SelfWeightColumn, SmoothFunctionsOfPoints) {
   const auto report = [](const Column& c, const Variant& v, double most_stress, double most_displacement) {
     const std::vector<Errors> e = study(c, v, grids);
     const auto row = [&](const std::string& quantity, double Errors::*which, double most) {
@@ -207,6 +211,17 @@ TEST(SelfWeightColumn, BSplines) {
   report(slight, cubic, 2e-3, 3e-4);
   report(large, quadratic, 0.01, 0.01);
   report(large, cubic, 0.003, 3e-4);
+  report(slight, ugimp, 1e-3, 1e-4);
+  report(large, ugimp, 0.015, 0.01);
+}
+
+/// Domains that go with the body fill it at any time: second order returns.
+TEST(SelfWeightColumn, DomainsThatFollow) {
+  for (const Variant& v : {cpgimp, cpdi}) {
+    converges(slight, v, {3e-4, 1e-5, 1e-6, 1.5, 1.9, 1.6});
+    converges(large, v, {2e-4, 1e-5, 1e-5, 1.0, 1.9, 1.9});
+  }
+  for (const Column& c : {slight, large}) converges(c, b2gimp, {3e-5, 3e-6, 3e-6, 1.8, 1.9, 1.9});
 }
 
 }  // namespace
