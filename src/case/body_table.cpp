@@ -175,7 +175,9 @@ Table<Body> body_table() {
                     "motion; a number is reached linearly at the end of the first stage");
   t.only(rigid, "in rigid bodies (deformable ones are moved by [boundary.NAME])");
   t.vector_function("acceleration", &Body::acceleration, Unit::acceleration,
-                    "of a force on all of its mass, beside gravity; a number is reached as gravity's are");
+                    "of a force on all of its mass, beside gravity, at its places x, y, z at the start; a number is reached "
+                    "as gravity's are",
+                    true);
   t.only(deformable, "in deformable bodies");
   t.vector_function("velocity", &Body::velocity, Unit::velocity, "of its places x, y, z at the start (dynamic)", true);
   t.only(deformable, "in deformable bodies");

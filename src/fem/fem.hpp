@@ -35,7 +35,7 @@ public:
   void add_internal_force(NodalVector& f) const override;
   void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const override;
   void add_stabilisation(const NodalVector&, NodalVector&, BlockAssembler*) const override {}
-  void add_body_force(const std::vector<Vec3>& acceleration, NodalVector& f) const override;
+  void add_body_force(const std::function<Vec3(int body, const Vec3& X)>& acceleration, NodalVector& f) const override;
   void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) override;
 
   void start_motion(const std::function<Vec3(int body, const Vec3& X)>& velocity) override;

@@ -164,12 +164,15 @@ void FemDiscretisation::add_tangent(const LawSettings& settings, BlockAssembler&
   });
 }
 
-void FemDiscretisation::add_body_force(const std::vector<Vec3>& acceleration, NodalVector& f) const {
+void FemDiscretisation::add_body_force(const std::function<Vec3(int body, const Vec3& X)>& acceleration,
+                                       NodalVector& f) const {
+  const std::vector<Vec3> X = point_origins();
   for (std::size_t k = 0; k < elements_.size(); ++k) {
     const std::span<const int> list = blocks[static_cast<int>(k)];
     int p = first_[k];
     for (const fem::RulePoint& q : fem::element_rule(mesh_.kinds[elements_[k]])) {
-      const Vec3 weight = density_[k] * material.volume[p++] * acceleration[body_of_element_[elements_[k]]];
+      const Vec3 weight = density_[k] * material.volume[p] * acceleration(body_of_element_[elements_[k]], X[p]);
+      ++p;
       for (std::size_t I = 0; I < list.size(); ++I) f[list[I]] += q.shape.N[I] * weight;
     }
   }

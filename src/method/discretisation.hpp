@@ -107,8 +107,9 @@ public:
   virtual void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const = 0;
   /// Stabilisation of cut cells (linear in du): force and matrix. Nothing for FEM.
   virtual void add_stabilisation(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const = 0;
-  /// Mass of the material times an acceleration, by body of the case, added to f.
-  virtual void add_body_force(const std::vector<Vec3>& acceleration, NodalVector& f) const = 0;
+  /// Mass of the material times an acceleration, which depends on the body of the case and the place at the start, added
+  /// to f.
+  virtual void add_body_force(const std::function<Vec3(int body, const Vec3& X)>& acceleration, NodalVector& f) const = 0;
 
   // Motion: what dynamic analyses ask for.   [dynamics]
   /// Velocities of all places at the start of the motion; accelerations are zero.

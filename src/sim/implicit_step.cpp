@@ -98,10 +98,9 @@ NodalVector ImplicitStep::weight_at(double time) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   if (!has_weight()) return f;
-  std::vector<Vec3> acceleration;
-  for (const Body& b : world_.spec.bodies)
-    acceleration.push_back(world_.spec.gravity.at(time) + b.acceleration.at(time));
-  d.add_body_force(acceleration, f);
+  const Vec3 gravity = world_.spec.gravity.at(time);
+  d.add_body_force(
+      [&](int body, const Vec3& X) { return Vec3(gravity + world_.spec.bodies[body].acceleration.at(time, X)); }, f);
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }

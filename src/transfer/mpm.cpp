@@ -753,10 +753,11 @@ void MpmDiscretisation::add_stabilisation(const NodalVector& du, NodalVector& f,
   }
 }
 
-void MpmDiscretisation::add_body_force(const std::vector<Vec3>& acceleration, NodalVector& f) const {
+void MpmDiscretisation::add_body_force(const std::function<Vec3(int body, const Vec3& X)>& acceleration,
+                                       NodalVector& f) const {
   std::vector<Vec3> of_point(x_.size());
   for (const Slice& slice : material.slices)
-    std::fill(of_point.begin() + slice.begin, of_point.begin() + slice.end, acceleration[slice.body]);
+    for (int p = slice.begin; p < slice.end; ++p) of_point[p] = acceleration(slice.body, X_[p]);
   for_points([&](std::span<const int> list, int p, const double* N) {
     for (std::size_t k = 0; k < list.size(); ++k) f[list[k]] += N[k] * mass_[p] * of_point[p];
   });

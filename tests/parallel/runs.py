@@ -917,6 +917,12 @@ class AnyNumberOfProcesses(Case):
             self.same("drawn", [f"grid.shape_functions={degree}_bspline"], history=1e-7, points=1e-7, counts=counts)
         self.same("drawn_solid", ["grid.shape_functions=quadratic_bspline"], history=1e-7, points=1e-7, counts=(2,))
 
+    def test_domains(self):
+        for functions, counts in (("cpgimp", (2, 4)), ("b2gimp", (2,)), ("cpdi", (2, 4))):
+            shape = f"grid.shape_functions={functions}"
+            self.same("drawn", [shape, *FINITE], history=1e-7, points=1e-7, counts=counts)
+            self.same("drawn_solid", [shape, *FINITE], history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 

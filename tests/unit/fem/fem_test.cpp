@@ -252,7 +252,7 @@ TEST_P(AroundAnAxis, VolumeAndWeightAreThoseOfTheTube) {
   // One point in a straight triangle integrates a linear radius; the other rules do better.
   EXPECT_NEAR(volume, expected, 1e-12 * expected);
   NodalVector f(fem->n_nodes(), Vec3::Zero());
-  fem->add_body_force({Vec3(0.0, -9.81, 0.0)}, f);
+  fem->add_body_force([](int, const Vec3&) { return Vec3(0.0, -9.81, 0.0); }, f);
   EXPECT_NEAR(sum_of(f).y(), -9.81 * density * expected, 1e-9 * density);
 }
 
@@ -327,7 +327,7 @@ TEST(Fem, NumbersPointsBodyByBody) {
   EXPECT_EQ(fem.n_nodes(), hexes.n_nodes() + tets.n_nodes());
   double mass = 0.0;
   NodalVector f(fem.n_nodes(), Vec3::Zero());
-  fem.add_body_force(std::vector<Vec3>(8, Vec3::UnitZ()), f);
+  fem.add_body_force([](int, const Vec3&) { return Vec3(Vec3::UnitZ()); }, f);
   for (const Vec3& v : f) mass += v.z();
   EXPECT_NEAR(mass, 2.0 * density, 1e-9);
 }

@@ -433,7 +433,7 @@ TEST(Mpm, BodyForceIsTheWeight) {
                      : s.space == Space::solid      ? Vec3(1.0, -9.81, 3.0)
                                                     : Vec3(1.0, -9.81, 0.0);
       NodalVector f = zeros(*mpm);
-      mpm->add_body_force({g}, f);
+      mpm->add_body_force([&](int, const Vec3&) { return g; }, f);
       Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
       for (int i = 0; i < mpm->n_nodes(); ++i) {
         sum += f[i];

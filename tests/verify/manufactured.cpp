@@ -1,0 +1,204 @@
+/// Manufactured solutions: the body force that makes a chosen motion the exact one, for Hencky's law. V8: a bar; V9: a square
+/// that is stretched along its edges (Wallstedt and Guilkey 2008); V10: a ring that is sheared and turned (Kamojjala,
+/// Brannon, Sadeghirad and Guilkey 2015).
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+using std::numbers::pi;
+
+struct Problem {
+  std::string text;
+  std::function<Vec3(const Vec3& X, double t)> displacement;
+  double scale;  ///< of the errors [m]
+};
+
+/// Largest root mean square of the error of the displacement over all steps, over the scale; infinite if the run failed.
+double error_of(const Problem& problem, const std::vector<std::string>& overrides) {
+  Model model(problem.text, overrides);
+  double largest = 0.0;
+  const bool done = model.run([&](const StepResult&) {
+    const Discretisation& d = *model.world->discretisation;
+    const std::vector<Vec3> X = d.point_origins(), u = d.point_displacements();
+    double sum = 0.0, volume = 0.0;
+    for (std::size_t p = 0; p < X.size(); ++p) {
+      sum += model.material().volume[p] * (u[p] - problem.displacement(X[p], model.world->time)).squaredNorm();
+      volume += model.material().volume[p];
+    }
+    largest = std::max(largest, std::sqrt(sum / volume) / problem.scale);
+  });
+  return done ? largest : std::numeric_limits<double>::infinity();
+}
+
+/// u = A sin(pi X) sin(c pi t) between fixed ends, c = 10 m/s, for a period of 0.2 s.
+Problem bar(double A, int cells, int steps) {
+  const std::string F = fmt::format("(1 + {}*pi*cos(pi*x)*sin(10*pi*t))", A);
+  return {fmt::format(R"(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+cells = [{0}, 1]
+cell_size = {1}
+[material.m]
+law = "linear_elastic"
+density = 1.0
+youngs_modulus = 100.0
+poisson_ratio = 0.0
+[body.bar]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, {1}] }}
+points.placement = "uniform"
+acceleration = ["{2}*100*pi^2*sin(pi*x)*sin(10*pi*t)*((1 - ln({3}))/{3}^2 - 1)", 0.0]
+velocity = ["{2}*10*pi*sin(pi*x)", 0.0]
+[boundary.left]
+where.box.max = [1e-6, 1e3]
+ux = 0.0
+[boundary.right]
+where.box.min = [0.999999, -1e3]
+ux = 0.0
+[boundary.walls]
+where.box.max = [1e3, 1e3]
+uy = 0.0
+[steps]
+analysis = "dynamic"
+duration = 0.2
+count = {4}
+adaptive = false
+)",
+                      cells, 1.0 / cells, A, F, steps),
+          [A](const Vec3& X, double t) { return Vec3(A * std::sin(pi * X.x()) * std::sin(10.0 * pi * t), 0.0, 0.0); }, A};
+}
+
+/// u_x = A sin(pi X) sin(c pi t), u_y = -A sin(pi Y) sin(c pi t) between planes of symmetry, c = 100 m/s, for a period.
+Problem square(double A, int cells, int steps) {
+  constexpr double E = 1e7, nu = 0.3, density = 1000.0;
+  const double lame = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), shear = 0.5 * E / (1.0 + nu);
+  const auto F = [&](const char* axis, const char* sign) {
+    return fmt::format("(1 {} {}*pi*cos(pi*{})*sin(100*pi*t))", sign, A, axis);
+  };
+  const std::string Fx = F("x", "+"), Fy = F("y", "-");
+  const auto force = [&](const char* axis, const char* sign, const std::string& f) {
+    return fmt::format("{}{}*pi^2*sin(pi*{})*sin(100*pi*t)/{}*(({} - {}*ln({}*{}) - {}*ln({}))/{}^2 - {})", sign, A, axis,
+                       density, lame + 2.0 * shear, lame, Fx, Fy, 2.0 * shear, f, f, E);
+  };
+  return {fmt::format(R"(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+cells = [{0}, {0}]
+cell_size = {1}
+[material.m]
+law = "linear_elastic"
+density = {2}
+youngs_modulus = {3}
+poisson_ratio = {4}
+[body.square]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, 1.0] }}
+points.placement = "uniform"
+acceleration = ["{5}", "{6}"]
+velocity = ["{7}*100*pi*sin(pi*x)", "-{7}*100*pi*sin(pi*y)"]
+[boundary.left]
+where.box.max = [1e-6, 1e3]
+ux = 0.0
+[boundary.right]
+where.box.min = [0.999999, -1e3]
+ux = 0.0
+[boundary.base]
+where.box.max = [1e3, 1e-6]
+uy = 0.0
+[boundary.top]
+where.box.min = [-1e3, 0.999999]
+uy = 0.0
+[steps]
+analysis = "dynamic"
+duration = 0.02
+count = {8}
+adaptive = false
+)",
+                      cells, 1.0 / cells, density, E, nu, force("x", "", Fx), force("y", "-", Fy), A, steps),
+          [A](const Vec3& X, double t) {
+            return Vec3(std::sin(pi * X.x()), -std::sin(pi * X.y()), 0.0) * A * std::sin(100.0 * pi * t);
+          },
+          A};
+}
+
+/// theta = Theta + a(R, t), a = A sin(pi t) H(R), H = 1 - 32 (R - 1)^2 + 256 (R - 1)^4, in a free ring with radii 0.75 and
+/// 1.25: a simple shear by gamma = R da/dR in circles, which Hencky's law answers with the shear stress
+/// S = 2 mu asinh(gamma/2) / w and the normal stresses -+S gamma/2, w^2 = 1 + gamma^2/4.
+Problem vortex(double A, int cells_a_thickness, int steps) {
+  constexpr double E = 1000.0, nu = 0.3;
+  const double shear = 0.5 * E / (1.0 + nu), h = 0.5 / cells_a_thickness;
+  const int cells = static_cast<int>(std::ceil(1.3 / h));
+  std::string R = "sqrt(x^2 + y^2)", z = "(" + R + " - 1)";
+  const std::string H = fmt::format("(1 - 32*{0}^2 + 256*{0}^4)", z), H1 = fmt::format("(1024*{0}^3 - 64*{0})", z),
+                    H2 = fmt::format("(3072*{0}^2 - 64)", z);
+  const std::string a = fmt::format("({}*sin(pi*t)*{})", A, H), at = fmt::format("({}*pi*cos(pi*t)*{})", A, H),
+                    att = fmt::format("({}*pi^2*sin(pi*t)*{})", -A, H);
+  const std::string gamma = fmt::format("({}*sin(pi*t)*{}*{})", A, R, H1),
+                    gamma1 = fmt::format("({}*sin(pi*t)*({} + {}*{}))", A, H1, R, H2);
+  const std::string w = fmt::format("sqrt(1 + {}^2/4)", gamma), S = fmt::format("({}*asinh({}/2)/{})", 2.0 * shear, gamma, w),
+                    S1 = fmt::format("({}/{}^2 - {}*asinh({}/2)*{}/{}^3)", shear, w, 0.5 * shear, gamma, gamma, w);
+  const std::string radial = fmt::format("(-{0}*{1}^2 + ({2} + {3}*{4})/2*{5} + {2}*{3}/{0})", R, at, S, gamma, S1, gamma1),
+                    along = fmt::format("({}*{} - {}*{} - 2*{}/{})", R, att, S1, gamma1, S, R);
+  const std::string angle = fmt::format("(atan2(y, x) + {})", a);
+  return {fmt::format(R"(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+origin = [{0}, {0}]
+cells = [{1}, {1}]
+cell_size = {2}
+[material.m]
+law = "linear_elastic"
+density = 1.0
+youngs_modulus = {3}
+poisson_ratio = {4}
+[body.ring]
+material = "m"
+shape.difference = [{{ circle = {{ centre = [0.0, 0.0], radius = 1.25 }} }}, {{ circle = {{ centre = [0.0, 0.0], radius = 0.75 }} }}]
+points.placement = "uniform"
+acceleration = ["{5}*cos({7}) - {6}*sin({7})", "{5}*sin({7}) + {6}*cos({7})"]
+velocity = ["-{8}*pi*y*{9}", "{8}*pi*x*{9}"]
+[steps]
+analysis = "dynamic"
+duration = 1.0
+count = {10}
+adaptive = false
+)",
+                      -cells * h, 2 * cells, h, E, nu, radial, along, angle, A, H, steps),
+          [A](const Vec3& X, double t) {
+            const double R0 = X.norm(), y = R0 - 1.0;
+            const double turn = A * std::sin(pi * t) * (1.0 - 32.0 * y * y + 256.0 * y * y * y * y);
+            const double theta = std::atan2(X.y(), X.x()) + turn;
+            return Vec3(R0 * std::cos(theta) - X.x(), R0 * std::sin(theta) - X.y(), 0.0);
+          },
+          A};
+}
+
+TEST(Manufactured, Scratch) {
+  const char* which = std::getenv("WHICH");
+  const double A = std::atof(std::getenv("A"));
+  const int steps = std::atoi(std::getenv("STEPS"));
+  std::vector<std::string> overrides;
+  std::string o = std::getenv("O"), piece;
+  for (char c : o + ";")
+    if (c == ';') { if (!piece.empty()) overrides.push_back(piece); piece.clear(); } else piece += c;
+  for (int n = std::atoi(std::getenv("FROM")); n <= std::atoi(std::getenv("TO")); n *= 2) {
+    const Problem p = which[0] == 'b' ? bar(A, n, steps) : which[0] == 's' ? square(A, n, steps) : vortex(A, n, steps);
+    fmt::print("{} A={} {}: {} {:.3e}\n", which, A, o, n, error_of(p, overrides));
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+}  // namespace berm::verify
