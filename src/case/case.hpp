@@ -217,6 +217,7 @@ struct Dynamics {
   enum class Integrator { newmark, bossak, hht } integrator = Integrator::newmark;
   double alpha = -0.1;  ///< of Bossak and HHT: numerical damping of high frequencies [-]
   enum class Mass { lumped, consistent } mass = Mass::lumped;  ///< in the equation of motion
+  int projection_order = 1;                                    ///< of the motion of points to nodes (FMPM)
   /// How points take their velocity from the grid (mpm).
   enum class Transfer { flip, pic, blend, apic } transfer = Transfer::flip;
   double flip_fraction = 0.99;      ///< blend: of flip; the rest is pic [-]

@@ -88,6 +88,11 @@ Table<Dynamics> dynamics_table() {
          "with integrator = \"bossak\" or \"hht\"");
   t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
            "mass matrix of the equation of motion");
+  t.integer("projection_order", &Dynamics::projection_order, {1.0, 100.0},
+            "order k of the projection of the motion of points to nodes (method \"mpm\", FMPM): 1 smooths it as the lumped "
+            "mass does, higher ones less and less");
+  t.only([](const Scope&, const Dynamics& d) { return d.transfer != Transfer::apic; },
+         "with transfers other than \"apic\", which carries gradients instead");
   t.choice("transfer", &Dynamics::transfer,
            Words<Transfer>{{"flip", Transfer::flip},
                            {"pic", Transfer::pic},

@@ -26,12 +26,29 @@ void Newmark::gather(const Discretisation& d) {
   whole_mass_ = mass_;
   d.halo.add_to_owners(whole_mass_.data(), 1);
   d.halo.copy_to_ghosts(whole_mass_.data(), 1);
-  for (NodalVector* list : {&gathered_v_, &gathered_a_}) {
-    d.halo.add_to_owners(reinterpret_cast<double*>(list->data()), 3);
-    d.halo.copy_to_ghosts(reinterpret_cast<double*>(list->data()), 3);
-    for (std::size_t i = 0; i < n; ++i)
-      if (whole_mass_[i] > 0.0) (*list)[i] /= whole_mass_[i];
+  for (NodalVector* list : {&gathered_v_, &gathered_a_}) *list = project(d, std::move(*list));
+}
+
+/// Lumped: of order 1. Order k takes k - 1 steps of Richardson's iteration towards the consistent mass (FMPM).   [(19)]
+NodalVector Newmark::project(const Discretisation& d, NodalVector momentum) const {
+  const auto sum = [&](NodalVector& list) { d.halo.add_to_owners(list.data()->data(), 3); };
+  const auto over_mass = [&](NodalVector list) {
+    d.halo.copy_to_ghosts(list.data()->data(), 3);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (whole_mass_[i] > 0.0) list[i] /= whole_mass_[i];
+    return list;
+  };
+  sum(momentum);
+  NodalVector v = over_mass(momentum);
+  for (int k = 1; k < how_.projection_order; ++k) {
+    NodalVector carried(v.size(), Vec3::Zero());
+    d.add_inertia(0.0, v, carried, nullptr);
+    sum(carried);
+    for (std::size_t i = 0; i < v.size(); ++i) carried[i] = momentum[i] - carried[i];
+    const NodalVector more = over_mass(std::move(carried));
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] += more[i];
   }
+  return v;
 }
 
 void Newmark::set_acceleration(const NodalVector& force) {

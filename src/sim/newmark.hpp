@@ -49,6 +49,7 @@ public:
   double error(const Discretisation& d, const NodalVector& du) const;
 
 private:
+  NodalVector project(const Discretisation& d, NodalVector momentum) const;
   double local_damping(std::size_t i, int c) const;
   void add_mass_times(const Discretisation& d, double factor, const NodalVector& a, NodalVector& f,
                       BlockAssembler* matrix) const;

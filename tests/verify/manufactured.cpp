@@ -42,7 +42,7 @@ double error_of(const Problem& problem, const std::vector<std::string>& override
 /// u = A sin(pi X) sin(c pi t) between fixed ends, c = 10 m/s, for a period of 0.2 s.
 Problem bar(double A, int cells, int steps) {
   const std::string F = fmt::format("(1 + {}*pi*cos(pi*x)*sin(10*pi*t))", A);
-  return {fmt::format(R"(
+  return {fmt::format(R"toml(
 [model]
 formulation = "updated_lagrangian"
 [grid]
@@ -73,7 +73,7 @@ analysis = "dynamic"
 duration = 0.2
 count = {4}
 adaptive = false
-)",
+)toml",
                       cells, 1.0 / cells, A, F, steps),
           [A](const Vec3& X, double t) { return Vec3(A * std::sin(pi * X.x()) * std::sin(10.0 * pi * t), 0.0, 0.0); }, A};
 }
@@ -90,7 +90,7 @@ Problem square(double A, int cells, int steps) {
     return fmt::format("{}{}*pi^2*sin(pi*{})*sin(100*pi*t)/{}*(({} - {}*ln({}*{}) - {}*ln({}))/{}^2 - {})", sign, A, axis,
                        density, lame + 2.0 * shear, lame, Fx, Fy, 2.0 * shear, f, f, E);
   };
-  return {fmt::format(R"(
+  return {fmt::format(R"toml(
 [model]
 formulation = "updated_lagrangian"
 [grid]
@@ -124,7 +124,7 @@ analysis = "dynamic"
 duration = 0.02
 count = {8}
 adaptive = false
-)",
+)toml",
                       cells, 1.0 / cells, density, E, nu, force("x", "", Fx), force("y", "-", Fy), A, steps),
           [A](const Vec3& X, double t) {
             return Vec3(std::sin(pi * X.x()), -std::sin(pi * X.y()), 0.0) * A * std::sin(100.0 * pi * t);
@@ -151,7 +151,7 @@ Problem vortex(double A, int cells_a_thickness, int steps) {
   const std::string radial = fmt::format("(-{0}*{1}^2 + ({2} + {3}*{4})/2*{5} + {2}*{3}/{0})", R, at, S, gamma, S1, gamma1),
                     along = fmt::format("({}*{} - {}*{} - 2*{}/{})", R, att, S1, gamma1, S, R);
   const std::string angle = fmt::format("(atan2(y, x) + {})", a);
-  return {fmt::format(R"(
+  return {fmt::format(R"toml(
 [model]
 formulation = "updated_lagrangian"
 [grid]
@@ -165,7 +165,7 @@ youngs_modulus = {3}
 poisson_ratio = {4}
 [body.ring]
 material = "m"
-shape.difference = [{{ circle = {{ centre = [0.0, 0.0], radius = 1.25 }} }}, {{ circle = {{ centre = [0.0, 0.0], radius = 0.75 }} }}]
+shape.difference = [{{ disc = {{ centre = [0.0, 0.0], radius = 1.25 }} }}, {{ disc = {{ centre = [0.0, 0.0], radius = 0.75 }} }}]
 points.placement = "uniform"
 acceleration = ["{5}*cos({7}) - {6}*sin({7})", "{5}*sin({7}) + {6}*cos({7})"]
 velocity = ["-{8}*pi*y*{9}", "{8}*pi*x*{9}"]
@@ -174,7 +174,7 @@ analysis = "dynamic"
 duration = 1.0
 count = {10}
 adaptive = false
-)",
+)toml",
                       -cells * h, 2 * cells, h, E, nu, radial, along, angle, A, H, steps),
           [A](const Vec3& X, double t) {
             const double R0 = X.norm(), y = R0 - 1.0;
