@@ -1,0 +1,168 @@
+/// A block under uniform stress travels through the grid (V2), and a bar is drawn to three times its length (V6): what
+/// points make of cells that they leave.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+// ---- V2
+
+constexpr double h = 0.125;
+constexpr int travels = 100;
+
+struct Noise {
+  double force = 0.0;   ///< largest internal force of an inner node over stress times h
+  double stress = 0.0;  ///< change of the stress of any point over the stress
+};
+
+/// A square that was squeezed by 2 % in both directions, so that its points are out of step with the cells, moves by 3.7
+/// cells along x and 2.3 along y.
+Noise travel(const std::string& functions) {
+  Model model(fmt::format(R"(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+shape_functions = "{}"
+origin = [-0.25, -0.25]
+cells = [16, 16]
+cell_size = {}
+[material.m]
+law = "linear_elastic"
+density = 1.0
+youngs_modulus = 1e6
+poisson_ratio = 0.3
+[body.block]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, 1.0] }}
+points.placement = "uniform"
+[boundary.corner]
+where.box.max = [-0.249, -0.249]
+ux = 0.0
+[steps]
+count = 1
+)",
+                          functions, h));
+  Discretisation& d = *model.world->discretisation;
+  LawSettings settings;
+  settings.space = Space::plane_strain;
+  settings.kinematics = Kinematics::finite;
+  Vec3 corner = Vec3::Zero();  // of the block
+  const auto move = [&](const std::function<Vec3(const Vec3&)>& motion) {
+    NodalVector du;
+    for (const Vec3& x : d.nodes) du.push_back(motion(x));
+    EXPECT_EQ(d.evaluate(du, settings), Status::ok);
+    d.commit(du, {});
+    d.move_points(1.2);
+    d.begin_step({});
+    corner += motion(corner);
+  };
+  d.move_points(1.2);
+  d.begin_step({});
+  move([](const Vec3& x) { return Vec3(-0.02 * x); });
+  const double stress = d.material.stress[0][XX];
+  Noise noise;
+  for (int step = 0; step < travels; ++step) {
+    move([](const Vec3&) { return Vec3(Vec3(3.7, 2.3, 0.0) * h / travels); });
+    NodalVector f(d.n_nodes(), Vec3::Zero());
+    EXPECT_EQ(d.evaluate(f, settings), Status::ok);
+    d.add_internal_force(f);
+    // Functions of a node reach two cells away (cubic ones), those of domains as far.
+    for (int k = 0; k < d.n_nodes(); ++k)
+      if (((d.nodes[k] - corner).head<2>().array() - 0.49).abs().maxCoeff() < 0.49 - 2.1 * h)
+        noise.force = std::max(noise.force, f[k].norm() / (std::abs(stress) * h));
+  }
+  for (const Voigt& s : d.material.stress)
+    for (const int k : {XX, YY, XY})
+      noise.stress = std::max(noise.stress, std::abs(s[k] - (k == XY ? 0.0 : stress)) / std::abs(stress));
+  return noise;
+}
+
+TEST(Crossing, StressedBlockTravelsThroughTheGrid) {
+  constexpr const char* group = "Stressed block that travels through the grid (V2)";
+  for (const auto& [functions, most, least] :
+       {std::tuple{"linear", 1.0, 0.1}, {"quadratic_bspline", 0.05, 0.0}, {"cubic_bspline", 0.02, 0.0}, {"ugimp", 0.05, 0.0},
+        {"cpgimp", 1e-10, 0.0}, {"b2gimp", 1e-10, 0.0}, {"cpdi", 1e-10, 0.0}}) {
+    const Noise noise = travel(functions);
+    EXPECT_LT(noise.force, most) << functions;
+    EXPECT_GE(noise.force, least) << functions;
+    EXPECT_LT(noise.stress, 1e-10) << functions;
+    record({group, fmt::format("{}: force of inner nodes over stress times h", functions), noise.force, "0",
+            most < 1e-3 ? "1e-10" : fmt::format("reported, < {}", most), "uniform stress is in equilibrium"});
+    record({group, fmt::format("{}: change of the stress", functions), noise.stress, "0", "1e-10", "rigid motion"});
+  }
+}
+
+// ---- V6
+
+struct Drawn {
+  double stress = NAN;  ///< error of the mean stress
+  double noise = NAN;   ///< largest difference of a point's stress from the mean, over the mean
+  int points = 0;
+};
+
+/// 1 m x 0.2 m, nu = 0, drawn to 3 m in 200 steps between nodes beyond its ends, which take it along.
+Drawn draw(const std::string& functions, int per_direction) {
+  Model model(fmt::format(R"(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+shape_functions = "{}"
+cells = [40, 3]
+cell_size = 0.1
+[material.m]
+law = "linear_elastic"
+density = 1.0
+youngs_modulus = 1e6
+poisson_ratio = 0.0
+[body.bar]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, 0.2] }}
+points = {{ placement = "uniform", per_direction = {} }}
+[body.grip]
+rigid = true
+shape.box = {{ min = [0.9999, 0.0], max = [1.2, 0.2] }}
+displacement = [2.0, 0.0]
+[boundary.left]
+where.box.max = [1e-6, 1e3]
+ux = 0.0
+[boundary.base]
+where.box.max = [1e3, 1e-6]
+uy = 0.0
+[steps]
+count = 200
+adaptive = false
+)",
+                          functions, per_direction));
+  Drawn out;
+  if (!model.run()) return out;
+  const MaterialState& m = model.material();
+  double mean = 0.0, volume = 0.0;
+  for (int p = 0; p < m.size(); ++p) {
+    mean += m.volume[p] * m.stress[p][XX];
+    volume += m.volume[p];
+  }
+  mean /= volume;
+  out.stress = mean / (1e6 * std::log(3.0) / 3.0) - 1.0;
+  out.noise = 0.0;
+  for (int p = 0; p < m.size(); ++p) out.noise = std::max(out.noise, std::abs(m.stress[p][XX] / mean - 1.0));
+  out.points = m.size();
+  return out;
+}
+
+TEST(Crossing, BarIsDrawnToThreeTimesItsLength) {
+  for (const char* functions : {"linear", "quadratic_bspline", "ugimp", "cpgimp", "b2gimp", "cpdi"})
+    for (const int n : {2, 3}) {
+      const Drawn d = draw(functions, n);
+      fmt::print("{} {}: stress {:.3e} noise {:.3e} points {}\n", functions, n, d.stress, d.noise, d.points);
+    }
+}
+
+}  // namespace
+}  // namespace berm::verify
