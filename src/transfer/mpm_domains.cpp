@@ -161,26 +161,30 @@ void MpmDiscretisation::weigh_covered_cells(const std::map<int, CellState>& cove
   }
 }
 
-// ---- domains longer than a cell
+// ---- domains that have become too long
+
+/// Of a cell: with less than one and a half points a cell and direction functions have modes without strain at any point.
+constexpr double longest_edge = 2.0 / 3.0;
+/// Of a cell's edge, in every direction: smaller points are not split.
+constexpr double smallest_point = 1.0 / 8.0;
 
 /// Column of the edges to halve, or -1.
 int MpmDiscretisation::edge_to_split(int p) const {
   constexpr double rounding = 1.0 + 1e-6;
   const int d = dimension();
-  const double cell = std::pow(cell_size_, d), smallest = cell / std::pow(4.0, d);
-  if (measure_[p] * swollen(p) <= smallest * rounding) return -1;
+  if (measure_[p] * swollen(p) <= std::pow(smallest_point * cell_size_, d) * rounding) return -1;
   const Mat3 E = edges(p);
   int longest = 0;
   if (shapes_.domain == ShapeChoice::Domain::parallelepiped)
-    return E.colwise().norm().head(d).maxCoeff(&longest) > cell_size_ * rounding ? longest : -1;
+    return E.colwise().norm().head(d).maxCoeff(&longest) > longest_edge * cell_size_ * rounding ? longest : -1;
   int along = 0;
   const Vec3 box = box_edges(p), size = grid_.structure->cell_size;
-  if (box.head(d).cwiseQuotient(size.head(d)).maxCoeff(&along) <= rounding) return -1;
+  if (box.head(d).cwiseQuotient(size.head(d)).maxCoeff(&along) <= longest_edge * rounding) return -1;
   (basis_.to_own_axes() * E).row(along).head(d).cwiseAbs().maxCoeff(&longest);
   return longest;
 }
 
-/// Points whose domains have become longer than a cell become two of half the size. New ids follow the last one in the
+/// Points whose domains have become too long become two of half the size. New ids follow the last one in the
 /// order of the old ids: the same on any number of processes.
 void MpmDiscretisation::split_points() {
   for (;;) {
