@@ -132,5 +132,25 @@ TEST(BrazilianElastic, StressesOnTheLoadedDiameter) {
   }
 }
 
+/// Smooth functions against linear finite elements of the same size, which have as many unknowns and fit the disc.
+TEST(BrazilianElastic, SmoothFunctionsBeatFiniteElements) {
+  const Errors fem = solve({"method=\"fem\"", "body.disc.mesh.structured=true"});
+  for (const char* functions : {"quadratic_bspline", "cubic_bspline", "b2gimp"})
+    for (const bool on_line : {false, true}) {
+      std::vector<std::string> overrides = {fmt::format("grid.shape_functions={}", functions)};
+      if (on_line) overrides.insert(overrides.end(), {"grid.origin=[-0.085,-0.085]", "grid.cells=[34,34]"});
+      const Errors e = solve(overrides);
+      const std::string name =
+          fmt::format("mpm, {}, {}, h = 5 mm", functions, on_line ? "axis on a grid line" : "axis in mid-cell");
+      EXPECT_LT(e.centre, 0.002) << name;
+      EXPECT_LT(e.xx, fem.xx) << name;
+      EXPECT_LT(e.yy, fem.yy) << name;
+      record({"Brazilian disc, elastic", name + ": L2 error of stress xx, -0.8 R < y < 0.8 R", e.xx, "0",
+              fmt::format("that of quad4: {:.2g}", fem.xx), "exact solution of Hondros (1959)"});
+      record({"Brazilian disc, elastic", name + ": L2 error of stress yy, -0.8 R < y < 0.8 R", e.yy, "0",
+              fmt::format("that of quad4: {:.2g}", fem.yy), "exact solution of Hondros (1959)"});
+    }
+}
+
 }  // namespace
 }  // namespace berm::verify
