@@ -349,6 +349,9 @@ private:
 
   /// What would be read and never used.
   void check_motion() const {
+    for (const Stage& stage : c_.stages)
+      if (c_.method == Method::fem && stage.dynamics.projection_order > 1)
+        part_of(stage, "dynamics").explain("projection_order", "is for method \"mpm\": finite elements keep their motion at nodes");
     for (const Body& b : c_.bodies)
       if (!b.velocity.is_zero() && c_.stages.front().steps.analysis != Analysis::dynamic)
         at("body", b.name)

@@ -88,11 +88,6 @@ Table<Dynamics> dynamics_table() {
          "with integrator = \"bossak\" or \"hht\"");
   t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
            "mass matrix of the equation of motion");
-  t.integer("projection_order", &Dynamics::projection_order, {1.0, 100.0},
-            "order k of the projection of the motion of points to nodes (method \"mpm\", FMPM): 1 smooths it as the lumped "
-            "mass does, higher ones less and less");
-  t.only([](const Scope&, const Dynamics& d) { return d.transfer != Transfer::apic; },
-         "with transfers other than \"apic\", which carries gradients instead");
   t.choice("transfer", &Dynamics::transfer,
            Words<Transfer>{{"flip", Transfer::flip},
                            {"pic", Transfer::pic},
@@ -100,6 +95,11 @@ Table<Dynamics> dynamics_table() {
                            {"apic", Transfer::apic}},
            "how material points take their velocity from the grid (method \"mpm\"): its change (keeps energy), its value "
            "(damps), a part of both, or its value and gradient (keeps angular momentum)");
+  t.integer("projection_order", &Dynamics::projection_order, {1.0, 100.0},
+            "order k of the projection of the motion of points to nodes (method \"mpm\", FMPM): 1 smooths it as the lumped "
+            "mass does, higher ones less and less");
+  t.only([](const Scope&, const Dynamics& d) { return d.transfer != Transfer::apic; },
+         "with transfers other than \"apic\", which carries gradients instead");
   t.number("flip_fraction", &Dynamics::flip_fraction, Unit::none, {0.0, 1.0}, "share of flip; the rest is pic");
   t.only([](const Scope&, const Dynamics& d) { return d.transfer == Transfer::blend; }, "with transfer = \"blend\"");
   t.number("rayleigh_mass", &Dynamics::rayleigh_mass, Unit::none, non_negative(),

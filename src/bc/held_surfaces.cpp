@@ -1,0 +1,67 @@
+/// Boundaries on the surface of a body, which move with it.
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "bc/boundary.hpp"
+#include "bc/case_lookup.hpp"
+
+namespace berm {
+namespace {
+
+/// Of the penalty, in units of E / h: the force is carried from step to step, so that it need not be stiffer.
+constexpr double held_penalty = 1000.0;
+
+}  // namespace
+
+void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface) {
+  for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
+    const NodeBoundary& spec = c.boundaries[b];
+    if (spec.body.empty()) continue;
+    const int body = body_index(c, spec.body);
+    bool any = false;
+    for (const SurfacePoint& s : surface) {
+      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
+      const double share = share_inside(spec.where, s, dimension_);
+      if (share == 0.0) continue;
+      HeldPoint point;
+      point.anchor = anchor_at(body, s.X, s.normal);
+      point.id = static_cast<int>(held_.size());
+      point.boundary = static_cast<int>(b);
+      point.stiffness = held_penalty * stiffness_of(c, body) / cell_size_ * share * s.area;
+      point.normal = spec.normal ? *spec.normal : s.normal;
+      any = true;
+      held_.push_back(point);
+    }
+    if (!any)
+      throw InputError(fmt::format("[boundary.{}] catches no part of the surface of body \"{}\": check its where", spec.name,
+                                   spec.body));
+  }
+}
+
+/// Prescribed part of a displacement.
+Mat3 BoundaryConditions::held_directions(const HeldPoint& p) const {
+  const NodeBoundary& spec = case_.boundaries[p.boundary];
+  if (spec.un) return p.normal * p.normal.transpose();
+  Mat3 directions = Mat3::Zero();
+  for (int i = 0; i < dimension_; ++i) directions(i, i) = spec.u[i] ? 1.0 : 0.0;
+  return directions;
+}
+
+Vec3 BoundaryConditions::held_step(const HeldPoint& p, double t0, double t1) const {
+  const NodeBoundary& spec = case_.boundaries[p.boundary];
+  const auto step = [&](const TimeFunction& u) { return u.at(t1, p.anchor.X) - u.at(t0, p.anchor.X); };
+  if (spec.un) return step(*spec.un) * p.normal;
+  Vec3 u = Vec3::Zero();
+  for (int i = 0; i < dimension_; ++i)
+    if (spec.u[i]) u[i] = step(*spec.u[i]);
+  return u;
+}
+
+/// Force of the support on the body [N].   [boundaries (15)]
+Vec3 BoundaryConditions::held_force(const HeldPoint& p, const NodalVector& du, double t0, double t1) const {
+  if (!acts(case_.boundaries[p.boundary].stages)) return Vec3::Zero();
+  const Vec3 missing = held_step(p, t0, t1) - held_directions(p) * p.anchor.stencil->interpolate(du);
+  return p.force + p.stiffness * missing;
+}
+
+}  // namespace berm
