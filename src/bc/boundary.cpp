@@ -25,12 +25,13 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
   read_boundaries(c, d);
   read_pressures(c, surface);
   read_absorbing(c, surface);
+  read_held_surfaces(c, surface);
   read_contacts(c, d, surface);
   read_pins_and_gauges(c, d);
   boundaries_at_.clear();
   begin_stage(c.stages.empty() ? "" : c.stages.front().name);
   if (comm_.is_root()) return;
-  pressures_.clear(), dashpots_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
+  pressures_.clear(), dashpots_.clear(), held_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
 }
 
 void BoundaryConditions::begin_stage(const std::string& name) {
@@ -75,6 +76,7 @@ void BoundaryConditions::travel(std::vector<Point>& points, const Discretisation
 void BoundaryConditions::move_anchors(const Discretisation& d) {
   travel(pressures_, d);
   travel(dashpots_, d);
+  travel(held_, d);
   travel(contacts_, d);
   travel(rigid_points_, d);
   travel(pins_, d);
@@ -87,6 +89,7 @@ void BoundaryConditions::move_anchors(const Discretisation& d) {
   anchors_.clear();
   for (PressurePoint& p : pressures_) anchors_.push_back(&p.anchor);
   for (DashpotPoint& p : dashpots_) anchors_.push_back(&p.anchor);
+  for (HeldPoint& p : held_) anchors_.push_back(&p.anchor);
   for (ContactPoint& p : contacts_) anchors_.push_back(&p.anchor);
   for (RigidPoint& p : rigid_points_) anchors_.push_back(&p.anchor);
   for (PinPoint& p : pins_) anchors_.push_back(&p.anchor);
@@ -143,6 +146,9 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
     const Mat3 k = pin.stiffness.asDiagonal();
     add_at(pin.anchor, -k * (pin.anchor.u - pin.start + pin.anchor.stencil->interpolate(du)), k, f, matrix);
   }
+  for (const HeldPoint& p : held_)
+    if (acts(case_.boundaries[p.boundary].stages))
+      add_at(p.anchor, held_force(p, du, t0, t1), p.stiffness * held_directions(p), f, matrix);
   for (const LocalInclined& local : local_inclined_) {
     const InclinedNode& node = inclined_[local.index];
     const Vec3& normal = *case_.boundaries[node.boundary].normal;
@@ -168,6 +174,7 @@ bool BoundaryConditions::symmetric() const {
 void BoundaryConditions::commit(const Discretisation& d, const NodalVector& du, double t0, double t1) {
   grid_contact_.commit(d, du);
   for (ContactPoint& p : contacts_) p.slip = contact_force(p, du, t0, t1).slip;
+  commit_held_surfaces(du, t0, t1);
   if (!inclined_.empty()) {
     std::vector<double> push(inclined_.size(), 0.0);
     for (const LocalInclined& local : local_inclined_) push[local.index] += local.share * push_of(local, du, t0, t1);

@@ -14,6 +14,7 @@ struct Reactions {
   std::vector<Vec3> rigid;     ///< by case body; zero for deformable ones
   std::vector<Vec3> boundary;  ///< by case boundary; each component only where it is prescribed
   std::vector<double> node;    ///< by prescribed component of a node, if a displacement depends on the place
+  double held_work = 0.0;      ///< of held surfaces in the step [J]
 };
 
 /// Fields of the grid that the bodies of a case need, by body: every body in contact with another deformable one has its
@@ -82,9 +83,11 @@ public:
   std::string idle_boundary() const;
 
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
-  /// gauges, 4 inclined boundaries; of all: 5 dashpots.
-  static constexpr int n_kinds = 6;
-  static constexpr int row_width = 19;  ///< id, x, u, F, slip (pins: displacement when they began)
+  /// gauges, 4 inclined boundaries; of all: 5 dashpots,
+  /// 6 held surfaces.
+  static constexpr int n_kinds = 7;
+  /// id, x, u, F, slip (pins: displacement when they began; held surfaces: force); held surfaces: what is missing.
+  static constexpr int row_width = 22;
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
   void restore(int kind, const std::vector<double>& rows);
@@ -133,6 +136,12 @@ private:
   double push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const;
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface);
+  void read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface);
+  Mat3 held_directions(const HeldPoint& p) const;
+  Vec3 held_step(const HeldPoint& p, double t0, double t1) const;
+  Vec3 still_missing(const HeldPoint& p, const NodalVector& du, double t0, double t1) const;
+  Vec3 held_force(const HeldPoint& p, const NodalVector& du, double t0, double t1) const;
+  void commit_held_surfaces(const NodalVector& du, double t0, double t1);
   /// A force on the body at an anchor, which resists with that stiffness.
   void add_at(const Anchor& a, const Vec3& force, const Mat3& stiffness, NodalVector& f, BlockAssembler* matrix) const;
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
@@ -162,6 +171,7 @@ private:
   std::map<std::pair<int, int>, std::vector<int>> boundaries_at_;  ///< node, component -> boundaries, while reading
   std::vector<PressurePoint> pressures_;
   std::vector<DashpotPoint> dashpots_;
+  std::vector<HeldPoint> held_;
   std::vector<ContactPoint> contacts_;
   std::vector<RigidPoint> rigid_points_;
   std::vector<PinPoint> pins_;

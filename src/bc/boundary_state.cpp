@@ -6,11 +6,12 @@
 namespace berm {
 namespace {
 
-void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero()) {
+void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero(),
+                const Vec3& missing = Vec3::Zero()) {
   rows.push_back(id);
   for (const Vec3* v : {&a.x, &a.u}) rows.insert(rows.end(), v->data(), v->data() + 3);
   rows.insert(rows.end(), a.F.data(), a.F.data() + 9);
-  rows.insert(rows.end(), slip.data(), slip.data() + 3);
+  for (const Vec3* v : {&slip, &missing}) rows.insert(rows.end(), v->data(), v->data() + 3);
 }
 
 void restore_anchor(Anchor& a, const double* row) {
@@ -47,6 +48,8 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
       append_row(rows, static_cast<int>(k), Anchor{}, Vec3(inclined_[k].push, 0.0, 0.0));
   if (kind == 5)
     for (const DashpotPoint& p : dashpots_) append_row(rows, p.id, p.anchor);
+  if (kind == 6)
+    for (const HeldPoint& p : held_) append_row(rows, p.id, p.anchor, p.force, p.missing);
   return rows;
 }
 
@@ -71,6 +74,12 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
     if (kind == 4 && id < static_cast<int>(inclined_.size())) inclined_[id].push = row[16];
     if (kind == 5)
       if (DashpotPoint* p = point_of(dashpots_, id)) restore_anchor(p->anchor, row);
+    if (kind == 6)
+      if (HeldPoint* p = point_of(held_, id)) {
+        restore_anchor(p->anchor, row);
+        p->force = Vec3(row[16], row[17], row[18]);
+        p->missing = Vec3(row[19], row[20], row[21]);
+      }
   }
 }
 

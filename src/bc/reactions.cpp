@@ -22,11 +22,18 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
     const int boundary = inclined_[local.index].boundary;
     add(n_bodies + boundary, -local.share * push_of(local, du, t0, t1) * *case_.boundaries[boundary].normal);
   }
+  double held_work = 0.0;
+  for (const HeldPoint& p : held_) {
+    const Vec3 force = held_force(p, du, t0, t1);
+    add(n_bodies + p.boundary, force);
+    if (acts(case_.boundaries[p.boundary].stages)) held_work += 0.5 * (p.force + force).dot(held_step(p, t0, t1));
+  }
   comm_.sum(sums);
   const auto vector_at = [&](std::size_t index) {
     return Vec3(sums[3 * index], sums[3 * index + 1], sums[3 * index + 2]);
   };
   Reactions out;
+  out.held_work = comm_.sum(held_work);
   for (std::size_t b = 0; b < n_bodies; ++b) out.rigid.push_back(vector_at(b));
   for (std::size_t b = 0; b < n_boundaries; ++b) out.boundary.push_back(vector_at(n_bodies + b));
   if (by_place_) {
@@ -39,13 +46,13 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
 }
 
 double BoundaryConditions::support_work(const Reactions& before, const Reactions& now, double t0, double t1) const {
-  double work = 0.0;
+  double work = now.held_work;
   for (std::size_t b = 0; b < case_.bodies.size(); ++b)
     if (case_.bodies[b].rigid && acts_on_something(static_cast<int>(b)))
       work += 0.5 * (now.rigid[b] + before.rigid[b]).dot(rigid_step(static_cast<int>(b), t0, t1));
   for (std::size_t b = 0; b < case_.boundaries.size(); ++b) {
     const NodeBoundary& spec = case_.boundaries[b];
-    if (!acts(spec.stages)) continue;  // its force at t0 went with the last stage
+    if (!acts(spec.stages) || !spec.body.empty()) continue;  // its force at t0 went with the last stage
     const Vec3 mean = 0.5 * (now.boundary[b] + before.boundary[b]);
     if (spec.normal) work += mean.dot(*spec.normal) * (spec.un.at(t1) - spec.un.at(t0));
     if (spec.depends_on_place()) continue;

@@ -30,6 +30,7 @@ void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d)
   const double stiffness = inclined_penalty * youngs * (dimension_ == 3 ? d.cell_size() : 1.0);
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
+    if (!spec.body.empty()) continue;  // read_held_surfaces
     const std::vector<int>* group = nullptr;
     if (spec.where.group) {
       const auto found = mesh.node_groups.find(*spec.where.group);
@@ -147,6 +148,7 @@ std::string BoundaryConditions::idle_boundary() const {
   std::vector<double> works(case_.boundaries.size(), 0.0);
   for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
   for (const LocalInclined& local : local_inclined_) works[inclined_[local.index].boundary] += 1.0;
+  for (const HeldPoint& p : held_) works[p.boundary] += 1.0;
   comm_.sum(works);
   for (std::size_t b = 0; b < works.size(); ++b)
     if (works[b] == 0.0) return case_.boundaries[b].name;

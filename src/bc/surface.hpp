@@ -54,6 +54,17 @@ struct DashpotPoint {
   Mat3 damping = Mat3::Zero();    ///< [N s/m]
 };
 
+/// A surface point whose displacement is prescribed.
+struct HeldPoint {
+  Anchor anchor;
+  int id = 0, boundary = 0;     ///< boundary: index into the case's
+  bool slides = false;          ///< only the displacement along the normal is prescribed
+  Vec3 normal = Vec3::Zero();
+  double stiffness = 0.0;       ///< penalty times area [N/m]
+  Vec3 force = Vec3::Zero();    ///< on the body at t_n [N]
+  Vec3 missing = Vec3::Zero();  ///< prescribed less actual displacement at t_n [m]
+};
+
 /// A surface point against a rigid body.
 struct ContactPoint {
   Anchor anchor;
@@ -82,6 +93,8 @@ template <>
 inline constexpr bool is_plain<PressurePoint> = true;
 template <>
 inline constexpr bool is_plain<DashpotPoint> = true;
+template <>
+inline constexpr bool is_plain<HeldPoint> = true;
 template <>
 inline constexpr bool is_plain<ContactPoint> = true;
 template <>

@@ -80,9 +80,10 @@ struct Body {
 /// Prescribed displacement of grid nodes (mpm) or body-mesh nodes (fem) in a region.
 struct NodeBoundary {
   std::string name;
+  std::string body;  ///< whose surface is held, wherever it moves; empty: nodes
   Where where;
   std::array<std::optional<TimeFunction>, 3> u;  ///< ux, uy, uz: displacement [m]; absent: free
-  std::optional<Vec3> normal;                    ///< of an inclined slip boundary
+  std::optional<Vec3> normal;                    ///< of an inclined slip boundary; of a surface: else its own
   TimeFunction un;                               ///< displacement along it [m]
   Stages stages;
 
@@ -314,7 +315,7 @@ struct Case {
   std::vector<std::string> warnings;
 };
 
-/// Calls f with every motion of a case and its gravity. Only prescribed displacements of nodes may depend on the place.
+/// Calls f with every motion of a case and its gravity. Prescribed displacements and body forces may depend on the place.
 template <class AnyCase, class F>
 void for_each_motion(AnyCase& c, F f) {
   for (auto& component : c.gravity.component) f(component);

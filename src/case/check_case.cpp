@@ -109,6 +109,8 @@ private:
   }
 
   void check_loads() const {
+    for (const NodeBoundary& b : c_.boundaries)
+      if (!b.body.empty()) refer_body(at("boundary", b.name), "body", b.body, false);
     for (const Pin& pin : c_.pins) refer_body(at("pin", pin.name), "body", pin.body, false);
     for (const Pressure& p : c_.pressures) refer_body(at("pressure", p.name), "body", p.body, false);
     for (const Absorbing& a : c_.absorbing) refer_body(at("absorbing", a.name), "body", a.body, false);

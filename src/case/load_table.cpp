@@ -87,8 +87,10 @@ auto component(std::size_t i) {
 
 Table<NodeBoundary> boundary_table() {
   Table<NodeBoundary> t(
-      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem). At least one of `ux`, `uy` and `uz`, or a "
-      "`normal`.");
+      "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem), or with `body` of that body's surface, which it "
+      "follows, and which need not fit the grid. At least one of `ux`, `uy` and `uz`, or a `normal` (surface: or `un`).");
+  t.string("body", &NodeBoundary::body, "name of a deformable body", "whose surface is held, wherever it moves; without it, "
+           "nodes");
   t.table("where", &NodeBoundary::where, where_table()).required();
   t.function("ux", component(0), Unit::length, true,
              "displacement along x; a number is reached linearly at the end of the first stage; in expressions x, y, z are the "
@@ -106,9 +108,12 @@ Table<NodeBoundary> boundary_table() {
            "for nodes on an inclined line or plane: they move along it freely and by `un` in this direction");
   t.function("un", &NodeBoundary::un, Unit::length, false,
              "displacement along the normal; a number is reached linearly at the end of the first stage");
-  t.only_with("normal");
+  t.only([](const Scope& s, const NodeBoundary&) { return s.has("normal") || (s.has("body") && !s.has("ux") && !s.has("uy") && !s.has("uz")); },
+         "with \"normal\", or on the surface of a \"body\", along whose own normal it then is");
   t.check([](Scope& s, NodeBoundary& b) {
-    if (s.dimension() == 2)
+    if (s.has("body"))
+      s.at_least_one({"ux", "uy", "uz", "normal", "un"});
+    else if (s.dimension() == 2)
       s.at_least_one({"ux", "uy", "normal"});
     else
       s.at_least_one({"ux", "uy", "uz", "normal"});

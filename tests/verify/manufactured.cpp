@@ -1,5 +1,6 @@
 /// Manufactured solutions: the body force that makes a chosen motion the exact one, for Hencky's law. V8: a bar; V9: a square
-/// that is stretched along its edges (Wallstedt and Guilkey 2008).
+/// that is stretched along its edges (Wallstedt and Guilkey 2008); V10: a ring that is sheared and turned (Kamojjala,
+/// Brannon, Sadeghirad and Guilkey 2015).
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -132,6 +133,64 @@ adaptive = false
           A};
 }
 
+/// theta = Theta + a(R, t), a = A sin(pi t) H(R), H = 1 - 32 (R - 1)^2 + 256 (R - 1)^4, in a ring with radii 0.75 and
+/// 1.25, whose rims are held where they cut the cells: a simple shear by gamma = R da/dR in circles, which Hencky's law answers with the shear stress
+/// S = 2 mu asinh(gamma/2) / w and the normal stresses -+S gamma/2, w^2 = 1 + gamma^2/4.
+Problem vortex(double A, int cells_a_thickness, int steps) {
+  constexpr double E = 1000.0, nu = 0.3;
+  const double shear = 0.5 * E / (1.0 + nu), h = 0.5 / cells_a_thickness;
+  const int cells = static_cast<int>(std::ceil(1.3 / h));
+  std::string R = "sqrt(x^2 + y^2)", z = "(" + R + " - 1)";
+  const std::string H = fmt::format("(1 - 32*{0}^2 + 256*{0}^4)", z), H1 = fmt::format("(1024*{0}^3 - 64*{0})", z),
+                    H2 = fmt::format("(3072*{0}^2 - 64)", z);
+  const std::string a = fmt::format("({}*sin(pi*t)*{})", A, H), at = fmt::format("({}*pi*cos(pi*t)*{})", A, H),
+                    att = fmt::format("({}*pi^2*sin(pi*t)*{})", -A, H);
+  const std::string gamma = fmt::format("({}*sin(pi*t)*{}*{})", A, R, H1),
+                    gamma1 = fmt::format("({}*sin(pi*t)*({} + {}*{}))", A, H1, R, H2);
+  const std::string w = fmt::format("sqrt(1 + {}^2/4)", gamma), S = fmt::format("({}*asinh({}/2)/{})", 2.0 * shear, gamma, w),
+                    S1 = fmt::format("({}/{}^2 - {}*asinh({}/2)*{}/{}^3)", shear, w, 0.5 * shear, gamma, gamma, w);
+  const std::string radial = fmt::format("(-{0}*{1}^2 + ({2} + {3}*{4})/2*{5} + {2}*{3}/{0})", R, at, S, gamma, S1, gamma1),
+                    along = fmt::format("({}*{} - {}*{} - 2*{}/{})", R, att, S1, gamma1, S, R);
+  const std::string angle = fmt::format("(atan2(y, x) + {})", a);
+  return {fmt::format(R"toml(
+[model]
+formulation = "updated_lagrangian"
+[grid]
+origin = [{0}, {0}]
+cells = [{1}, {1}]
+cell_size = {2}
+[material.m]
+law = "linear_elastic"
+density = 1.0
+youngs_modulus = {3}
+poisson_ratio = {4}
+[body.ring]
+material = "m"
+shape.difference = [{{ disc = {{ centre = [0.0, 0.0], radius = 1.25 }} }}, {{ disc = {{ centre = [0.0, 0.0], radius = 0.75 }} }}]
+points.placement = "uniform"
+acceleration = ["{5}*cos({7}) - {6}*sin({7})", "{5}*sin({7}) + {6}*cos({7})"]
+velocity = ["-{8}*pi*y*{9}", "{8}*pi*x*{9}"]
+[boundary.rims]
+body = "ring"
+where.box = {{ min = [-2.0, -2.0], max = [2.0, 2.0] }}
+ux = 0.0
+uy = 0.0
+[steps]
+analysis = "dynamic"
+duration = 1.0
+count = {10}
+adaptive = false
+)toml",
+                      -cells * h, 2 * cells, h, E, nu, radial, along, angle, A, H, steps),
+          [A](const Vec3& X, double t) {
+            const double R0 = X.norm(), y = R0 - 1.0;
+            const double turn = A * std::sin(pi * t) * (1.0 - 32.0 * y * y + 256.0 * y * y * y * y);
+            const double theta = std::atan2(X.y(), X.x()) + turn;
+            return Vec3(R0 * std::cos(theta) - X.x(), R0 * std::sin(theta) - X.y(), 0.0);
+          },
+          A};
+}
+
 constexpr const char *lumped = "dynamics.mass=lumped", *consistent = "dynamics.mass=consistent";
 
 /// Errors with the given numbers of cells; `most` at the last, at least this order between the last two (0: none asked).
@@ -173,6 +232,20 @@ TEST(Manufactured, Bar) {
   study(group, make, "cpgimp", consistent, 20, bars, 1e-3, 0.0);
   study(group, make, "cpdi", consistent, 20, bars, 1e-3, 1.9);
   study(group, fine, "b2gimp", consistent, 20, bars, 1e-5, 1.7);
+}
+
+TEST(Manufactured, Scratch) {
+  const double A = std::atof(std::getenv("A"));
+  const int steps = std::atoi(std::getenv("STEPS"));
+  std::vector<std::string> overrides;
+  std::string o = std::getenv("O"), piece;
+  for (char c : o + ";")
+    if (c == ';') { if (!piece.empty()) overrides.push_back(piece); piece.clear(); } else piece += c;
+  for (int n = std::atoi(std::getenv("FROM")); n <= std::atoi(std::getenv("TO")); n *= 2) {
+    const Problem p = vortex(A, n, steps);
+    fmt::print("A={} {}: {} {:.3e}\n", A, o, n, error_of(p, overrides));
+    std::fflush(stdout);
+  }
 }
 
 TEST(Manufactured, Square) {

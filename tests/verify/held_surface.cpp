@@ -1,0 +1,165 @@
+/// Displacements prescribed on surfaces that cut the cells of the grid.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+constexpr const char* group = "Held surfaces that cut cells";
+constexpr double youngs = 1e6, poisson = 0.3;
+constexpr double lame_lambda = youngs * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
+                 lame_mu = youngs / (2.0 * (1.0 + poisson));
+
+std::string material() {
+  return fmt::format("[material.m]\nlaw = \"linear_elastic\"\ndensity = 1000.0\nyoungs_modulus = {}\npoisson_ratio = {}\n",
+                     youngs, poisson);
+}
+
+struct Errors {
+  double displacement, stress;  ///< L2, relative
+};
+
+Errors errors_of(const Model& model, const std::function<Vec3(const Vec3&)>& displacement,
+                 const std::function<Voigt(const Vec3&)>& stress) {
+  const std::vector<Vec3> X = model.world->discretisation->point_origins(),
+                          u = model.world->discretisation->point_displacements();
+  const MaterialState& m = model.material();
+  double du = 0.0, size_u = 0.0, ds = 0.0, size_s = 0.0;
+  for (std::size_t p = 0; p < X.size(); ++p) {
+    const Vec3 exact = displacement(X[p]);
+    const Voigt s = stress(X[p]);
+    du += m.volume[p] * (u[p] - exact).squaredNorm();
+    size_u += m.volume[p] * exact.squaredNorm();
+    ds += m.volume[p] * (m.stress[p] - s).squaredNorm();
+    size_s += m.volume[p] * s.squaredNorm();
+  }
+  return {std::sqrt(du / size_u), std::sqrt(ds / size_s)};
+}
+
+/// Radii 1 m and 2 m, the inner one widened by 1 mm: u = A r + B / r, no stress at the outer one.
+Errors widen(const std::string& functions, double h) {
+  const int half = static_cast<int>(2.2 / h) + 1;
+  Model model(fmt::format(R"toml(
+[model]
+plane = "strain"
+kinematics = "small"
+[grid]
+shape_functions = "{0}"
+origin = [{1}, {2}]
+cells = [{3}, {3}]
+cell_size = {4}
+{5}
+[body.ring]
+material = "m"
+shape.difference = [{{ disc = {{ centre = [0.0, 0.0], radius = 2.0 }} }}, {{ disc = {{ centre = [0.0, 0.0], radius = 1.0 }} }}]
+[boundary.inner]
+body = "ring"
+where.box = {{ min = [-1.1, -1.1], max = [1.1, 1.1] }}
+ux = "1e-3*t*x"
+uy = "1e-3*t*y"
+[steps]
+count = 10
+adaptive = false
+)toml",
+                          functions, -(half + 0.37) * h, -(half + 0.21) * h, 2 * half + 1, h, material()));
+  EXPECT_TRUE(model.run());
+  // u(1) = 1e-3, 2 (lambda + mu) A = 2 mu B / 4.
+  const double B = 1e-3 / (1.0 + 0.25 * lame_mu / (lame_lambda + lame_mu)), A = 1e-3 - B;
+  return errors_of(
+      model,
+      [&](const Vec3& x) {
+        const double r2 = x.squaredNorm();
+        return Vec3((A + B / r2) * x);
+      },
+      [&](const Vec3& x) {
+        const double r2 = x.squaredNorm(), mean = 2.0 * (lame_lambda + lame_mu) * A, c = x.x() / std::sqrt(r2),
+                     s = x.y() / std::sqrt(r2), shear = 2.0 * lame_mu * B / r2;
+        Voigt v = Voigt::Zero();
+        v[XX] = mean - shear * (c * c - s * s);
+        v[YY] = mean + shear * (c * c - s * s);
+        v[ZZ] = poisson * 2.0 * mean;
+        v[XY] = -2.0 * shear * c * s;
+        return v;
+      });
+}
+
+TEST(HeldSurface, RingIsWidened) {
+  struct Demand {
+    const char* functions;
+    double displacement, stress;  ///< with 20 cells over the wall
+  };
+  for (const Demand& want : {Demand{"linear", 6e-4, 0.035}, {"quadratic_bspline", 2e-4, 0.01}, {"b2gimp", 2e-4, 0.004},
+                             {"cpdi", 6e-4, 0.035}}) {
+    const Errors coarse = widen(want.functions, 0.2), fine = widen(want.functions, 0.05);
+    const double order = 0.5 * std::log2(coarse.displacement / fine.displacement);
+    EXPECT_LT(fine.displacement, want.displacement) << want.functions;
+    EXPECT_LT(fine.stress, want.stress) << want.functions;
+    EXPECT_GT(order, 1.5) << want.functions;
+    const std::string name = fmt::format("ring widened from inside, {}, 20 cells over the wall: ", want.functions);
+    record({group, name + "L2 error of the displacement", fine.displacement, "0", fmt::format("{}", want.displacement),
+            "Lame's solution"});
+    record({group, name + "L2 error of the stress", fine.stress, "0", fmt::format("{}", want.stress), "Lame's solution"});
+    record({group, name + "order of the displacement, from 5 cells", order, "2", "> 1.5", "Lame's solution"});
+  }
+}
+
+/// A square of 1 m turned by 30 degrees slides along three rigid walls, one of which pushes by 1 mm: stress in one
+/// direction of strain.
+TEST(HeldSurface, TurnedBlockBetweenSlidingWalls) {
+  constexpr double angle = std::numbers::pi / 6.0;
+  const double c = std::cos(angle), s = std::sin(angle);
+  const auto turn = [&](double x, double y) { return Vec3(c * x - s * y, s * x + c * y, 0.0); };
+  const auto text = [](const Vec3& x) { return fmt::format("[{:.16g}, {:.16g}]", x.x(), x.y()); };
+  // Boxes and parallelograms stand for pieces of cut cells that have other outlines.
+  for (const auto& [functions, most_displacement, most_stress] :
+       {std::tuple{"linear", 1e-4, 1e-3}, {"b2gimp", 1e-3, 0.01}, {"cpdi", 1e-3, 0.005}}) {
+    std::string walls;
+    const auto wall = [&](const char* name, const Vec3& at, const Vec3& normal, const char* un) {
+      walls += fmt::format("[boundary.{}]\nbody = \"block\"\nwhere.beyond = {{ at = {}, normal = {} }}\nun = {}\n", name, text(at),
+                           text(normal), un);
+    };
+    wall("left", turn(1e-6, 0.0), turn(-1.0, 0.0), "0.0");
+    wall("right", turn(1.0 - 1e-6, 0.0), turn(1.0, 0.0), "0.0");
+    wall("base", turn(0.0, 1e-6), turn(0.0, -1.0), "0.0");
+    wall("top", turn(0.0, 1.0 - 1e-6), turn(0.0, 1.0), "\"-1e-3*min(2*t, 1)\"");
+    Model model(fmt::format("[model]\nplane = \"strain\"\nkinematics = \"small\"\n[grid]\nshape_functions = \"{}\"\n"
+                            "origin = [-0.77, -0.23]\ncell_size = 0.1\ncells = [20, 18]\n{}"
+                            "[body.block]\nmaterial = \"m\"\nshape.polygon = [{}, {}, {}, {}]\n{}[steps]\ncount = 8\nadaptive = false\n",
+                            functions, material(), text(turn(0, 0)), text(turn(1, 0)), text(turn(1, 1)), text(turn(0, 1)),
+                            walls));
+    ASSERT_TRUE(model.run());
+    const double e = -1e-3, along = (lame_lambda + 2.0 * lame_mu) * e, across = lame_lambda * e;
+    const Errors error = errors_of(
+        model,
+        [&](const Vec3& x) { return Vec3(turn(0.0, e * (-s * x.x() + c * x.y()))); },
+        [&](const Vec3&) {
+          Voigt v = Voigt::Zero();
+          v[XX] = across * c * c + along * s * s;
+          v[YY] = across * s * s + along * c * c;
+          v[ZZ] = across;
+          v[XY] = (across - along) * c * s;
+          return v;
+        });
+    EXPECT_LT(error.displacement, most_displacement) << functions;
+    EXPECT_LT(error.stress, most_stress) << functions;
+    const Vec3 push = model.step.balance().reactions.boundary[3];
+    EXPECT_LT((push - turn(0.0, along)).norm(), 1e-3 * std::abs(along)) << functions;
+    // Half of the force times the way, and no more.
+    EXPECT_NEAR(model.step.balance().external_work, -0.5 * along * 1e-3, 0.02 * std::abs(0.5 * along * 1e-3)) << functions;
+    const std::string name = fmt::format("block turned by 30 deg between sliding walls, {}: ", functions);
+    record({group, name + "L2 error of the displacement", error.displacement, "0", fmt::format("{}", most_displacement), "uniform strain"});
+    record({group, name + "L2 error of the stress", error.stress, "0", fmt::format("{}", most_stress), "uniform strain"});
+    record({group, name + "push of the moving wall [N]", push.norm(), fmt::format("{:.6g}", std::abs(along)), "0.1 %",
+            "uniform strain"});
+  }
+}
+
+}  // namespace
+}  // namespace berm::verify
