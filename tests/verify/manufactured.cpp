@@ -234,20 +234,6 @@ TEST(Manufactured, Bar) {
   study(group, fine, "b2gimp", consistent, 20, bars, 1e-5, 1.7);
 }
 
-TEST(Manufactured, Scratch) {
-  const double A = std::atof(std::getenv("A"));
-  const int steps = std::atoi(std::getenv("STEPS"));
-  std::vector<std::string> overrides;
-  std::string o = std::getenv("O"), piece;
-  for (char c : o + ";")
-    if (c == ';') { if (!piece.empty()) overrides.push_back(piece); piece.clear(); } else piece += c;
-  for (int n = std::atoi(std::getenv("FROM")); n <= std::atoi(std::getenv("TO")); n *= 2) {
-    const Problem p = vortex(A, n, steps);
-    fmt::print("A={} {}: {} {:.3e}\n", A, o, n, error_of(p, overrides));
-    std::fflush(stdout);
-  }
-}
-
 TEST(Manufactured, Square) {
   constexpr const char* group = "Square stretched along its edges, manufactured (V9, A = 0.05)";
   const auto make = [](int cells) { return square(0.05, cells, 400); };
@@ -256,6 +242,13 @@ TEST(Manufactured, Square) {
   study(group, make, "cpgimp", consistent, 20, {4, 8, 16}, 5e-3, 1.5);
   study(group, make, "cpdi", consistent, 20, {4, 8, 16}, 0.01, 1.8);
   study(group, [](int cells) { return square(0.05, cells, 800); }, "b2gimp", consistent, 20, {4, 8, 16, 32}, 1e-4, 1.8);
+}
+
+TEST(Manufactured, Vortex) {
+  constexpr const char* group = "Ring that is sheared and turned, manufactured (V10, A = 0.1)";
+  const auto make = [](int cells) { return vortex(0.1, cells, 50); };
+  study(group, make, "b2gimp", consistent, 20, {8, 16}, 2e-3, 1.7);
+  study(group, make, "cpdi", consistent, 20, {8, 16}, 6e-3, 1.8);
 }
 
 }  // namespace
