@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 
 #include "driver.hpp"
@@ -94,8 +95,8 @@ TEST(CutCells, UniaxialStiffnessIsExact) {
 
 /// Compression between rough platens, tied at both ends: no uniform field, exact stiffness unknown, but it is one
 /// number.
-Reached between_platens(double offset, const std::string& law, double strain, int steps) {
-  Model model(common(offset, 8 * h, 16 * h, law) + fmt::format(R"(
+std::string platens(double offset, const std::string& law, double strain, int steps) {
+  return common(offset, 8 * h, 16 * h, law) + fmt::format(R"(
 [body.top]
 rigid = true
 shape.box = {{ min = [0.0, {}], max = [{}, {}] }}
@@ -114,7 +115,11 @@ count = {}
 adaptive = false
 )",
                                                                16 * h, 8 * h, 16 * h + 0.02, -strain * 16 * h, 8 * h,
-                                                               steps));
+                                                               steps);
+}
+
+Reached between_platens(double offset, const std::string& law, double strain, int steps) {
+  Model model(platens(offset, law, strain, steps));
   Reached r;
   for (int k = 0; k < steps; ++k) r.iterations = std::max(r.iterations, model.advance(1.0 / steps).iterations);
   const int top = 1;  // second body of the case
@@ -159,6 +164,82 @@ TEST(CutCells, DamagingStepsConvergeAtEveryOffset) {
   record({"Cut cells", "rough platens, Simo-Ju, damaged edges: spread of the secant stiffness", high / low - 1.0, "0",
           "0.5 %", "the same"});
   record({"Cut cells", "the same: most linear solves in a step", double(most), "few", "<= 8", "Newton's method"});
+}
+
+// ---- with and without stabilisation, by shape function: V3
+
+/// Ratio of the largest to the smallest eigenvalue of the matrix of the first step, ties included.
+double condition_of(Model& model) {
+  Discretisation& d = *model.world->discretisation;
+  BoundaryConditions& boundary = *model.world->boundary;
+  LawSettings settings;
+  settings.space = Space::plane_stress;
+  settings.kinematics = Kinematics::finite;
+  d.move_points(1.2);
+  boundary.move_anchors(d);
+  d.begin_step(boundary.anchors());
+  boundary.begin_step(d);
+  NodalVector du(d.n_nodes(), Vec3::Zero()), f = du;
+  EXPECT_EQ(d.evaluate(du, settings), Status::ok);
+  BlockAssembler assembler;
+  assembler.build(d.blocks, d.n_nodes(), d.dimension());
+  assembler.zero(boundary.fixed(), d.halo.n_owned, 1.0);
+  d.add_tangent(settings, assembler);
+  d.add_stabilisation(du, f, &assembler);
+  boundary.add_forces(d, du, 0.0, 1.0, f, &assembler);
+  const CsrMatrix& csr = assembler.matrix();
+  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(csr.n, csr.n);
+  for (int row = 0; row < csr.n; ++row)
+    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) += csr.value[k];
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly).eigenvalues();
+  return values.maxCoeff() / std::max(values.minCoeff(), 1e-300);
+}
+
+TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
+  constexpr const char* group = "Cut cells, 40 grid offsets between 0 and h, rough platens (V3)";
+  std::vector<double> cuts = {1e-9, 1e-6, 1e-3, 1.0 - 1e-3, 1.0 - 1e-6};
+  for (int k = 0; k < 35; ++k) cuts.push_back(k / 35.0);
+  for (const char* functions : {"linear", "quadratic_bspline", "b2gimp", "cpdi"})
+    for (const double ghost : {1e-3, 0.0}) {
+      double low = infinity, high = 0.0, worst = 0.0;
+      int failed = 0, fewest = 1000, most = 0;
+      for (const double offset : cuts) {
+        const std::string text = platens(offset, elastic, 1e-4, 1);
+        const std::vector<std::string> overrides = {fmt::format("grid.shape_functions={}", functions),
+                                                    fmt::format("solver.ghost_penalty={}", ghost)};
+        Model matrix(text, overrides);
+        worst = std::max(worst, condition_of(matrix));
+        Model model(text, overrides);
+        const StepResult r = model.step.attempt(1.0, Integration::implicit);
+        if (!r.converged) {
+          ++failed;
+          continue;
+        }
+        model.step.accept();
+        const double stiffness = -model.step.balance().reactions.rigid[1].y();
+        low = std::min(low, stiffness);
+        high = std::max(high, stiffness);
+        fewest = std::min(fewest, r.iterations);
+        most = std::max(most, r.iterations);
+      }
+      const std::string name = fmt::format("{}, {}: ", functions, ghost > 0.0 ? "stabilised" : "not stabilised");
+      fmt::print("  {} spread {:.2e}, {} to {} solves, {} failed, condition {:.2e}\n", name, high / low - 1.0, fewest, most,
+                 failed, worst);
+      record({group, name + "largest condition number", worst, ghost > 0.0 ? "bounded" : "",
+              ghost > 0.0 ? "< 1e9" : "reported", "the smallest cut is 1e-9 h"});
+      record({group, fmt::format("{}steps without solution, of {}", name, cuts.size()), double(failed),
+              ghost > 0.0 ? "0" : "", ghost > 0.0 ? "0" : "reported", ""});
+      if (ghost == 0.0) continue;
+      EXPECT_EQ(failed, 0) << functions;
+      EXPECT_LT(worst, 1e9) << functions;
+      EXPECT_LT(high / low - 1.0, 0.005) << functions;
+      EXPECT_LE(most, std::max(fewest + 1, int(1.3 * fewest))) << functions;
+      record({group, name + "spread of the stiffness", high / low - 1.0, "0", "0.5 %",
+              "the stiffness is a property of the specimen"});
+      record({group, name + "most linear solves in a step", double(most), fmt::format("{}", fewest), "fewest, and 1 or 30 %",
+              "Newton's method"});
+    }
 }
 
 }  // namespace

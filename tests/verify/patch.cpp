@@ -247,5 +247,18 @@ TEST(Patch, PointsAwayFromGaussPositions) {
            0.3);
 }
 
+/// Domains that fill the body integrate its constant stress exactly, whether the grid fits it or cuts it.
+TEST(Patch, Domains) {
+  const double h = 1.0 / 8.0;
+  const std::string moved = fmt::format("[grid]\ncells = [9, 9]\ncell_size = {}\norigin = [{}, {}]\n", h, -0.13 * h, -0.37 * h);
+  for (const char* functions : {"ugimp", "cpgimp", "cpdi"}) {
+    const std::string choice = fmt::format("shape_functions = \"{}\"\n", functions);
+    expect_exact(fmt::format("mpm, {}, quarter positions", functions), square + structured("quads") + choice);
+    expect_exact(fmt::format("mpm, {}, grid shifted by (0.13, 0.37) h", functions), square + moved + choice, true);
+    report(fmt::format("mpm, {}, 6 points in every triangle of a mesh file", functions),
+           fmt::format("file = \"{}\"\npoints = {{ per_element = 6 }}\n", distorted_mesh(true, false)) + moved + choice, 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace berm::verify
