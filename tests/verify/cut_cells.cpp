@@ -193,7 +193,7 @@ double condition_of(Model& model) {
     for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) += csr.value[k];
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly).eigenvalues();
-  return values.maxCoeff() / std::max(values.minCoeff(), 1e-300);
+  return values.maxCoeff() / std::max(values.minCoeff(), 1e-30 * values.maxCoeff());
 }
 
 TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
@@ -227,12 +227,12 @@ TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
       fmt::print("  {} spread {:.2e}, {} to {} solves, {} failed, condition {:.2e}\n", name, high / low - 1.0, fewest, most,
                  failed, worst);
       record({group, name + "largest condition number", worst, ghost > 0.0 ? "bounded" : "",
-              ghost > 0.0 ? "< 1e9" : "reported", "the smallest cut is 1e-9 h"});
+              ghost > 0.0 ? "< 1e8" : "reported", "the smallest cut is 1e-9 h"});
       record({group, fmt::format("{}steps without solution, of {}", name, cuts.size()), double(failed),
               ghost > 0.0 ? "0" : "", ghost > 0.0 ? "0" : "reported", ""});
       if (ghost == 0.0) continue;
       EXPECT_EQ(failed, 0) << functions;
-      EXPECT_LT(worst, 1e9) << functions;
+      EXPECT_LT(worst, 1e8) << functions;
       EXPECT_LT(high / low - 1.0, 0.005) << functions;
       EXPECT_LE(most, std::max(fewest + 1, int(1.3 * fewest))) << functions;
       record({group, name + "spread of the stiffness", high / low - 1.0, "0", "0.5 %",
