@@ -368,6 +368,12 @@ load = "pull"
 displacement = "pull"
 direction = [1.0, 0.0]
 """
+# The same, its left side a boundary that moves with it.
+HELD = (DRAWN[:DRAWN.index("[body.hand]")] + """[boundary.grip]
+body = "block"
+where.box.max = [0.2001, 10.0]
+ux = "0.4321*t"
+""" + DRAWN[DRAWN.index("[body.pull]"):])
 DRAWN_SOLID = f"""
 [model]
 dimension = 3
@@ -670,6 +676,7 @@ TEXT = {
     "fem_solid": FEM_SOLID,
     "axisymmetric": AXISYMMETRIC,
     "drawn": DRAWN,
+    "held": HELD,
     "drawn_solid": DRAWN_SOLID,
     "sliding": SLIDING,
     "inclined": INCLINED,
@@ -923,6 +930,10 @@ class AnyNumberOfProcesses(Case):
             self.same("drawn", [shape, *FINITE], history=1e-7, points=1e-7, counts=counts)
             self.same("drawn_solid", [shape, *FINITE], history=1e-7, points=1e-7, counts=(2,))
 
+    def test_held_surface(self):
+        self.same("held", history=1e-7, points=1e-7)
+        self.same("held", ["grid.shape_functions=cpdi"], history=1e-7, points=1e-7, counts=(2,))
+
     def test_without_rebalancing(self):
         self.same("drawn", ["parallel.rebalance=100.0"], history=1e-7, points=1e-7, counts=(4,))
 
@@ -989,6 +1000,10 @@ class Continued(Case):
 
     def test_gauge_control(self):
         self.goes_on("disc", 2, 4, ["output.frames=12"], history=1e-6, points=1e-5, steps=12)
+
+    # The forces of held surfaces; domains of points.
+    def test_held_surface(self):
+        self.goes_on("held", 1, 2, ["grid.shape_functions=cpdi"], history=1e-7, points=1e-7)
 
     # The slip of contacts, and the place of the points of a rigid body that moves.
     def test_contact(self):
