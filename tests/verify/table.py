@@ -58,6 +58,17 @@ cells of 5 mm the fit catches that fall best where the axis runs through mid-cel
 not care.""",
     "Cut cells": """A specimen of 8 x 16 cells on a grid shifted by 0 to 1 cells in both directions: slivers from 1e-9 to 1 of a cell (tests/verify/cut_cells.cpp). Ghost stabilisation
 keeps stiffness and iterations what they are.""",
+    "Cut cells, 40 grid offsets between 0 and h, rough platens (V3)": """The same specimen between tied platens at 40 offsets, by shape function, with and without ghost stabilisation: condition number of the
+matrix of the first step (Eigen's dense eigenvalues), spread of the stiffness, linear solves (tests/verify/cut_cells.cpp).""",
+    "Held surfaces that cut cells": """`[boundary.NAME]` with a `body`: displacements prescribed on a surface that does not fit the grid, by augmented Lagrange (tests/verify/held_surface.cpp).""",
+    "Stressed block that travels through the grid (V2)": """A block under uniform stress, its points out of step with the cells, is carried rigidly by 3.7 and 2.3 cells in 100 steps: nodal forces inside it, which should be zero
+(tests/verify/crossing.cpp).""",
+    "Bar drawn to three times its length (V6)": """1 m x 0.2 m, nu = 0, in 200 steps: stretch up to which every point's stress is within 1 % of E ln(L)/L. The force is largest at the stretch e; beyond it the bar would neck
+(tests/verify/crossing.cpp).""",
+    "Bar with cell crossing, manufactured (V8, A = 0.05)": """u = A sin(pi X) sin(c pi t) between fixed ends over one period, Hencky's law: largest root mean square of the error of the displacement over A, by shape function, lumped and
+consistent mass (tests/verify/manufactured.cpp).""",
+    "Square stretched along its edges, manufactured (V9, A = 0.05)": """The same in both directions with opposite signs between planes of symmetry (Wallstedt and Guilkey 2008; tests/verify/manufactured.cpp).""",
+    "Ring that is sheared and turned, manufactured (V10, A = 0.1)": """The generalised vortex of Kamojjala et al. (2015) for Hencky's law, its rims held where they cut the cells (tests/verify/manufactured.cpp).""",
     "Softening bar": """One weak cell, Rankine, everything else elastic, 1D, small strain (tests/verify/softening_bar.cpp): delta(s) = (L - l) s/E + l ft/E (1 - ln(s/ft)/A). A bar of 0.6 m
 snaps back and is driven by the opening of its crack. The damage cap of 1 - 1e-5 leaves 0.9 to 2.6 % of Gf undissipated (theory/damage.md, equation 18):
 "should be" contains that. IMPL-EX overshoots the peak; its error tolerance says by how much.""",
