@@ -122,9 +122,18 @@ private:
   void find_cells();
   void share_cells(double rebalance);
   void send_points();
+  // the connectivity of a step (mpm_connectivity.cpp)
   void sort_points(const std::vector<Anchor*>& anchors);
   void evaluate_shapes();
+  void store_shape(int p, int n, const BasisAt& shape);
   void weigh_cells();
+  void average_cells();
+  void ask_neighbours();
+  const CellState* cell_state(int cell) const;
+  void build_faces();
+  Face make_face(int cell_a, int local, int cell_b, double penalty) const;
+  void number_nodes();
+  void attach(const std::vector<Anchor*>& anchors);
   // domains of points (mpm_domains.cpp)
   void look_at_domains(const std::vector<Anchor*>& anchors);
   Cover cover_of(int p, BasisAt& shape) const;
@@ -133,12 +142,6 @@ private:
   Vec3 box_edges(int p) const;
   int edge_to_split(int p) const;
   void split_points();
-  void ask_neighbours();
-  const CellState* cell_state(int cell) const;
-  void build_faces();
-  Face make_face(int cell_a, int local, int cell_b, double penalty) const;
-  void number_nodes();
-  void attach(const std::vector<Anchor*>& anchors);
   int layered_cell(int cell, int body) const {
     const bool of_field = body >= 0 && body < static_cast<int>(field_of_body_.size());
     return cell + (of_field ? field_of_body_[body] : 0) * grid_.mesh.n_cells();

@@ -91,11 +91,7 @@ void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
       cell.fill += cover.share[c] * size;
       cell.stiffness += cover.share[c] * size * youngs;
     }
-    double* s = shape_.data() + std::size_t(p) * stride_;
-    const std::size_t n = patch.nodes.size();
-    std::fill_n(s, n * (1 + d), 0.0);
-    std::copy_n(shape.N.begin(), shape.n, s);
-    for (int k = 0; k < shape.n; ++k) std::copy_n(shape.grad[k].data(), d, s + n + std::size_t(d) * k);
+    store_shape(p, static_cast<int>(patch.nodes.size()), shape);
   };
   comm_.agree([&] {
     BasisAt shape;
@@ -155,10 +151,9 @@ void MpmDiscretisation::weigh_covered_cells(const std::map<int, CellState>& cove
   for (const auto& [cell, sums] : own) {
     active_index_[cell] = static_cast<int>(active_cells_.size());
     active_cells_.push_back(cell);
-    CellState& state = cells_.emplace_back(sums);
-    if (sums.fill > 0.0) state.stiffness /= sums.fill;
-    state.fill /= cell_measure(grid_.mesh, grid_cell(cell));
+    cells_.push_back(sums);
   }
+  average_cells();
 }
 
 // ---- domains that have become too long
