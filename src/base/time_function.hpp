@@ -48,6 +48,9 @@ struct VectorFunction {
   Vec3 at(double t, const Vec3& x = Vec3::Zero()) const {
     return {component[0].at(t, x), component[1].at(t, x), component[2].at(t, x)};
   }
+  bool depends_on_place() const {
+    return component[0].depends_on_place() || component[1].depends_on_place() || component[2].depends_on_place();
+  }
   bool is_zero() const { return component[0].is_zero() && component[1].is_zero() && component[2].is_zero(); }
 };
 

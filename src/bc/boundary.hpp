@@ -83,8 +83,7 @@ public:
   std::string idle_boundary() const;
 
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
-  /// gauges, 4 inclined boundaries; of all: 5 dashpots,
-  /// 6 held surfaces.
+  /// gauges, 4 inclined boundaries; of all: 5 dashpots, 6 held surfaces.
   static constexpr int n_kinds = 7;
   /// id, x, u, F, slip (pins: displacement when they began; held surfaces: force); held surfaces: what is missing.
   static constexpr int row_width = 22;

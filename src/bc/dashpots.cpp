@@ -1,7 +1,4 @@
 /// Absorbing boundaries.
-#include <fmt/format.h>
-
-#include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
@@ -11,11 +8,7 @@ void BoundaryConditions::read_absorbing(const Case& c, const std::vector<Surface
   for (std::size_t k = 0; k < c.absorbing.size(); ++k) {
     const Absorbing& spec = c.absorbing[k];
     const int body = body_index(c, spec.body);
-    bool any = false;
-    for (const SurfacePoint& s : surface) {
-      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
-      const double share = share_inside(spec.where, s, dimension_);
-      if (share == 0.0) continue;
+    for (const auto& [s, share] : caught_surface("absorbing." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
       const Mat3 nn = s.normal * s.normal.transpose();
       DashpotPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
@@ -23,12 +16,8 @@ void BoundaryConditions::read_absorbing(const Case& c, const std::vector<Surface
       point.absorbing = static_cast<int>(k);
       point.damping =
           share * s.area * spec.density * (spec.p_wave_speed * nn + spec.s_wave_speed * (Mat3::Identity() - nn));
-      any = true;
       dashpots_.push_back(point);
     }
-    if (!any)
-      throw InputError(fmt::format("[absorbing.{}] catches no part of the surface of body \"{}\": check its where",
-                                   spec.name, spec.body));
   }
 }
 

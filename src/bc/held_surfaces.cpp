@@ -1,7 +1,4 @@
 /// Boundaries on the surface of a body, which move with it.
-#include <fmt/format.h>
-
-#include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
@@ -19,11 +16,7 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
     const NodeBoundary& spec = c.boundaries[b];
     if (spec.body.empty()) continue;
     const int body = body_index(c, spec.body);
-    bool any = false;
-    for (const SurfacePoint& s : surface) {
-      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
-      const double share = share_inside(spec.where, s, dimension_);
-      if (share == 0.0) continue;
+    for (const auto& [s, share] : caught_surface("boundary." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
       HeldPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(held_.size());
@@ -31,12 +24,8 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       point.stiffness = held_penalty * stiffness_of(c, body) / cell_size_ * share * s.area;
       point.normal = spec.normal.value_or(s.normal);
       point.slides = !spec.u[0] && !spec.u[1] && !spec.u[2];
-      any = true;
       held_.push_back(point);
     }
-    if (!any)
-      throw InputError(fmt::format("[boundary.{}] catches no part of the surface of body \"{}\": check its where", spec.name,
-                                   spec.body));
   }
 }
 

@@ -1,7 +1,4 @@
 /// Pressures and tractions on surfaces.
-#include <fmt/format.h>
-
-#include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
@@ -11,22 +8,14 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
   for (std::size_t k = 0; k < c.pressures.size(); ++k) {
     const Pressure& spec = c.pressures[k];
     const int body = body_index(c, spec.body);
-    bool any = false;
-    for (const SurfacePoint& s : surface) {
-      if (s.body != body || (spec.where.group && !in_group(s, *spec.where.group))) continue;
-      const double share = share_inside(spec.where, s, dimension_);
-      if (share == 0.0) continue;
+    for (const auto& [s, share] : caught_surface("pressure." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
       PressurePoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(pressures_.size());
       point.load = static_cast<int>(k);
       point.area = -share * s.area * s.normal;
-      any = true;
       pressures_.push_back(point);
     }
-    if (!any)
-      throw InputError(fmt::format("[pressure.{}] catches no part of the surface of body \"{}\": check its where",
-                                   spec.name, spec.body));
   }
 }
 

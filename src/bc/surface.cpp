@@ -1,7 +1,11 @@
 #include "bc/surface.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "base/error.hpp"
 
 namespace berm {
 
@@ -38,6 +42,20 @@ double share_inside(const Where& where, const SurfacePoint& s, int dimension) {
 
 bool in_group(const SurfacePoint& s, const std::string& group) {
   return std::find(s.groups.begin(), s.groups.end(), group) != s.groups.end();
+}
+
+std::vector<SurfacePart> caught_surface(const std::string& table, const Where& where, int body,
+                                        const std::string& body_name, const std::vector<SurfacePoint>& surface,
+                                        int dimension) {
+  std::vector<SurfacePart> parts;
+  for (const SurfacePoint& s : surface) {
+    if (s.body != body || (where.group && !in_group(s, *where.group))) continue;
+    if (const double share = share_inside(where, s, dimension); share != 0.0) parts.push_back({s, share});
+  }
+  if (parts.empty())
+    throw InputError(
+        fmt::format("[{}] catches no part of the surface of body \"{}\": check its where", table, body_name));
+  return parts;
 }
 
 }  // namespace berm

@@ -28,6 +28,16 @@ double share_inside(const Where& where, const SurfacePoint& s, int dimension);
 
 bool in_group(const SurfacePoint& s, const std::string& group);
 
+struct SurfacePart {
+  const SurfacePoint& piece;
+  double share;  ///< of the piece
+};
+/// Pieces of that body's surface, or parts of them, that `where` catches. `table`: of the case, "pressure.NAME". Throws
+/// InputError if there are none.
+std::vector<SurfacePart> caught_surface(const std::string& table, const Where& where, int body,
+                                        const std::string& body_name, const std::vector<SurfacePoint>& surface,
+                                        int dimension);
+
 /// A place of a body that has not moved yet.
 inline Anchor anchor_at(int body, const Vec3& x, const Vec3& normal = Vec3::Zero()) {
   Anchor a;

@@ -133,17 +133,24 @@ void seed_whole_cell(const Part& cell, const PointSeeding& seeding, SeededPoints
 }
 
 /// Edges of a box about the centroid of the piece of body in a part, no face of which leaves the part: those of the piece
-/// where one face of the body along the grid cuts it.
-Vec3 box_of_piece(const Part& part, const Vec3& centroid) {
-  Vec3 edges = Vec3::Zero();
-  if (is_simplex(part.kind)) return edges;
-  constexpr int neighbour[] = {1, 3, 4};
-  for (int k = 0; k < dimension_of(part.kind); ++k) {
-    const Vec3 edge = part.corners.x[neighbour[k]] - part.corners.x[0];
-    const double at = (centroid - part.corners.x[0]).dot(edge) / edge.squaredNorm();
-    edges[k] = 2.0 * std::max(std::min(at, 1.0 - at), 1e-6) * edge.norm();
+/// where one face of the body along the grid cuts it. The part has a corner and the columns of `edges` from there.
+Vec3 box_of_piece(const Vec3& corner, const Mat3& edges, int dimension, const Vec3& centroid) {
+  Vec3 box = Vec3::Zero();
+  for (int k = 0; k < dimension; ++k) {
+    const double at = (centroid - corner).dot(edges.col(k)) / edges.col(k).squaredNorm();
+    box[k] = 2.0 * std::max(std::min(at, 1.0 - at), 1e-6) * edges.col(k).norm();
   }
-  return edges;
+  return box;
+}
+
+/// Nothing in triangles and tetrahedra.
+Vec3 box_of_piece(const Part& part, const Vec3& centroid) {
+  if (is_simplex(part.kind)) return Vec3::Zero();
+  constexpr int neighbour[] = {1, 3, 4};
+  const Vec3& corner = part.corners.x[0];
+  Mat3 edges = Mat3::Zero();
+  for (int k = 0; k < dimension_of(part.kind); ++k) edges.col(k) = part.corners.x[neighbour[k]] - corner;
+  return box_of_piece(corner, edges, dimension_of(part.kind), centroid);
 }
 
 Part part_of(const Mesh& mesh, int cell) { return {linear_kind(mesh.kinds[cell]), corners(mesh, cell)}; }
@@ -186,27 +193,25 @@ void seed_boxes(const SolidRegion& region, const Grid& grid, const PointSeeding&
       boxes, [&](int i, int j, int k, const SolidPiece&, bool full) { kind[index(i, j, k)] = full ? whole : cut; });
   // Parts of cut cells, by cell: all cells in ascending order, as on any other grid.
   struct Cut {
-    int cell, part;
+    int cell;
     SolidPiece piece;
+    Vec3 box;
   };
+  const Vec3 part = spec.cell_size / n;
   std::vector<Cut> pieces;
   boxes.divisions = {n, n, n};
   region.for_each_box(boxes, [&](int i, int j, int k, const SolidPiece& piece, bool) {
     const int cell = index(i / n, j / n, k / n);
-    if (kind[cell] == cut) pieces.push_back({cell, (k % n * n + j % n) * n + i % n, piece});
+    if (kind[cell] != cut) return;
+    const Vec3 corner = spec.origin + part.cwiseProduct(Vec3(i, j, k));
+    pieces.push_back({cell, piece, box_of_piece(corner, part.asDiagonal(), 3, piece.centroid)});
   });
   std::stable_sort(pieces.begin(), pieces.end(), [](const Cut& a, const Cut& b) { return a.cell < b.cell; });
   auto next = pieces.begin();
   for (int c = 0; c < grid.mesh.n_cells(); ++c) {
-    if (kind[c] == empty) continue;
-    const Part cell = part_of(grid.mesh, c);
-    if (kind[c] == whole) {
-      seed_whole_cell(cell, seeding, out);
-      continue;
-    }
-    const std::vector<Part> parts = box_parts(cell, n);
+    if (kind[c] == whole) seed_whole_cell(part_of(grid.mesh, c), seeding, out);
     for (; next != pieces.end() && next->cell == c; ++next)
-      out.add(next->piece.centroid, next->piece.volume, box_of_piece(parts[next->part], next->piece.centroid));
+      out.add(next->piece.centroid, next->piece.volume, next->box);
   }
 }
 

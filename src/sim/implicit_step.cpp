@@ -98,9 +98,17 @@ NodalVector ImplicitStep::weight_at(double time) const {
   const Discretisation& d = *world_.discretisation;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   if (!has_weight()) return f;
+  const std::vector<Body>& bodies = world_.spec.bodies;
   const Vec3 gravity = world_.spec.gravity.at(time);
+  std::vector<std::optional<Vec3>> uniform;  // absent: differs from place to place
+  for (const Body& b : bodies)
+    uniform.push_back(b.acceleration.depends_on_place() ? std::nullopt
+                                                        : std::optional<Vec3>(gravity + b.acceleration.at(time)));
   d.add_body_force(
-      [&](int body, const Vec3& X) { return Vec3(gravity + world_.spec.bodies[body].acceleration.at(time, X)); }, f);
+      [&](int body, const Vec3& X) {
+        return uniform[body] ? *uniform[body] : Vec3(gravity + bodies[body].acceleration.at(time, X));
+      },
+      f);
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }

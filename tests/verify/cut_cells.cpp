@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "../support/dense.hpp"
 #include "driver.hpp"
 
 namespace berm::verify {
@@ -187,10 +188,7 @@ double condition_of(Model& model) {
   d.add_tangent(settings, assembler);
   d.add_stabilisation(du, f, &assembler);
   boundary.add_forces(d, du, 0.0, 1.0, f, &assembler);
-  const CsrMatrix& csr = assembler.matrix();
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(csr.n, csr.n);
-  for (int row = 0; row < csr.n; ++row)
-    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) += csr.value[k];
+  const Eigen::MatrixXd K = dense_of(assembler.matrix());
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (K + K.transpose()), Eigen::EigenvaluesOnly).eigenvalues();
   return values.maxCoeff() / std::max(values.minCoeff(), 1e-30 * values.maxCoeff());

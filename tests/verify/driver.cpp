@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -80,6 +81,23 @@ std::vector<double> newton_orders(Model& model, int steps) {
       }
   }
   return found;
+}
+
+FieldErrors field_errors(const Model& model, const std::function<Vec3(const Vec3& X)>& displacement,
+                         const std::function<Voigt(const Vec3& X)>& stress) {
+  const std::vector<Vec3> X = model.world->discretisation->point_origins(),
+                          u = model.world->discretisation->point_displacements();
+  const MaterialState& m = model.material();
+  double error_u = 0.0, size_u = 0.0, error_s = 0.0, size_s = 0.0;
+  for (std::size_t p = 0; p < X.size(); ++p) {
+    const Vec3 exact_u = displacement(X[p]);
+    const Voigt exact_s = stress(X[p]);
+    error_u += m.volume[p] * (u[p] - exact_u).squaredNorm();
+    size_u += m.volume[p] * exact_u.squaredNorm();
+    error_s += m.volume[p] * (m.stress[p] - exact_s).squaredNorm();
+    size_s += m.volume[p] * exact_s.squaredNorm();
+  }
+  return {std::sqrt(error_u / size_u), std::sqrt(error_s / size_s)};
 }
 
 void record(const Row& row) {

@@ -50,6 +50,14 @@ std::vector<double> newton_orders(Model& model, int steps);
 /// |a - b| / |b|.
 inline double relative(double a, double b) { return std::abs(a - b) / std::abs(b); }
 
+/// Over the points, in L2, relative.
+struct FieldErrors {
+  double displacement, stress;
+};
+/// Against exact fields of the places at the start.
+FieldErrors field_errors(const Model& model, const std::function<Vec3(const Vec3& X)>& displacement,
+                         const std::function<Voigt(const Vec3& X)>& stress);
+
 /// A row of docs/verification.md; written to the file named by BERM_VERIFICATION_RECORD, if it is set, and to the
 /// test's properties.
 struct Row {

@@ -22,29 +22,8 @@ std::string material() {
                      youngs, poisson);
 }
 
-struct Errors {
-  double displacement, stress;  ///< L2, relative
-};
-
-Errors errors_of(const Model& model, const std::function<Vec3(const Vec3&)>& displacement,
-                 const std::function<Voigt(const Vec3&)>& stress) {
-  const std::vector<Vec3> X = model.world->discretisation->point_origins(),
-                          u = model.world->discretisation->point_displacements();
-  const MaterialState& m = model.material();
-  double du = 0.0, size_u = 0.0, ds = 0.0, size_s = 0.0;
-  for (std::size_t p = 0; p < X.size(); ++p) {
-    const Vec3 exact = displacement(X[p]);
-    const Voigt s = stress(X[p]);
-    du += m.volume[p] * (u[p] - exact).squaredNorm();
-    size_u += m.volume[p] * exact.squaredNorm();
-    ds += m.volume[p] * (m.stress[p] - s).squaredNorm();
-    size_s += m.volume[p] * s.squaredNorm();
-  }
-  return {std::sqrt(du / size_u), std::sqrt(ds / size_s)};
-}
-
 /// Radii 1 m and 2 m, the inner one widened by 1 mm: u = A r + B / r, no stress at the outer one.
-Errors widen(const std::string& functions, double h) {
+FieldErrors widen(const std::string& functions, double h) {
   const int half = static_cast<int>(2.2 / h) + 1;
   Model model(fmt::format(R"toml(
 [model]
@@ -72,7 +51,7 @@ adaptive = false
   EXPECT_TRUE(model.run());
   // u(1) = 1e-3, 2 (lambda + mu) A = 2 mu B / 4.
   const double B = 1e-3 / (1.0 + 0.25 * lame_mu / (lame_lambda + lame_mu)), A = 1e-3 - B;
-  return errors_of(
+  return field_errors(
       model,
       [&](const Vec3& x) {
         const double r2 = x.squaredNorm();
@@ -97,7 +76,7 @@ TEST(HeldSurface, RingIsWidened) {
   };
   for (const Demand& want : {Demand{"linear", 6e-4, 0.035}, {"quadratic_bspline", 2e-4, 0.01}, {"b2gimp", 2e-4, 0.004},
                              {"cpdi", 6e-4, 0.035}}) {
-    const Errors coarse = widen(want.functions, 0.2), fine = widen(want.functions, 0.05);
+    const FieldErrors coarse = widen(want.functions, 0.2), fine = widen(want.functions, 0.05);
     const double order = 0.5 * std::log2(coarse.displacement / fine.displacement);
     EXPECT_LT(fine.displacement, want.displacement) << want.functions;
     EXPECT_LT(fine.stress, want.stress) << want.functions;
@@ -136,7 +115,7 @@ TEST(HeldSurface, TurnedBlockBetweenSlidingWalls) {
                             walls));
     ASSERT_TRUE(model.run());
     const double e = -1e-3, along = (lame_lambda + 2.0 * lame_mu) * e, across = lame_lambda * e;
-    const Errors error = errors_of(
+    const FieldErrors error = field_errors(
         model,
         [&](const Vec3& x) { return Vec3(turn(0.0, e * (-s * x.x() + c * x.y()))); },
         [&](const Vec3&) {

@@ -39,6 +39,16 @@ double error_of(const Problem& problem, const std::vector<std::string>& override
   return done ? largest : std::numeric_limits<double>::infinity();
 }
 
+/// Hold x at 0 and at 1 m.
+const std::string ends = R"(
+[boundary.left]
+where.box.max = [1e-6, 1e3]
+ux = 0.0
+[boundary.right]
+where.box.min = [0.999999, -1e3]
+ux = 0.0
+)";
+
 /// u = A sin(pi X) sin(c pi t) between fixed ends, c = 10 m/s, for a period of 0.2 s.
 Problem bar(double A, int cells, int steps) {
   const std::string F = fmt::format("(1 + {}*pi*cos(pi*x)*sin(10*pi*t))", A);
@@ -59,13 +69,7 @@ shape.box = {{ min = [0.0, 0.0], max = [1.0, {1}] }}
 points.placement = "uniform"
 acceleration = ["{2}*100*pi^2*sin(pi*x)*sin(10*pi*t)*((1 - ln({3}))/{3}^2 - 1)", 0.0]
 velocity = ["{2}*10*pi*sin(pi*x)", 0.0]
-[boundary.left]
-where.box.max = [1e-6, 1e3]
-ux = 0.0
-[boundary.right]
-where.box.min = [0.999999, -1e3]
-ux = 0.0
-[boundary.walls]
+{5}[boundary.walls]
 where.box.max = [1e3, 1e3]
 uy = 0.0
 [steps]
@@ -74,7 +78,7 @@ duration = 0.2
 count = {4}
 adaptive = false
 )toml",
-                      cells, 1.0 / cells, A, F, steps),
+                      cells, 1.0 / cells, A, F, steps, ends),
           [A](const Vec3& X, double t) { return Vec3(A * std::sin(pi * X.x()) * std::sin(10.0 * pi * t), 0.0, 0.0); }, A};
 }
 
@@ -107,13 +111,7 @@ shape.box = {{ min = [0.0, 0.0], max = [1.0, 1.0] }}
 points.placement = "uniform"
 acceleration = ["{5}", "{6}"]
 velocity = ["{7}*100*pi*sin(pi*x)", "-{7}*100*pi*sin(pi*y)"]
-[boundary.left]
-where.box.max = [1e-6, 1e3]
-ux = 0.0
-[boundary.right]
-where.box.min = [0.999999, -1e3]
-ux = 0.0
-[boundary.base]
+{9}[boundary.base]
 where.box.max = [1e3, 1e-6]
 uy = 0.0
 [boundary.top]
@@ -125,7 +123,7 @@ duration = 0.02
 count = {8}
 adaptive = false
 )toml",
-                      cells, 1.0 / cells, density, E, nu, force("x", "", Fx), force("y", "-", Fy), A, steps),
+                      cells, 1.0 / cells, density, E, nu, force("x", "", Fx), force("y", "-", Fy), A, steps, ends),
           [A](const Vec3& X, double t) {
             const double size = A * std::sin(100.0 * pi * t);
             return Vec3(size * std::sin(pi * X.x()), -size * std::sin(pi * X.y()), 0.0);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "../../support/dense.hpp"
 #include "base/error.hpp"
 #include "meshes.hpp"
 
@@ -166,11 +167,7 @@ Eigen::MatrixXd dense_tangent(const FemDiscretisation& fem, const LawSettings& s
   const std::vector<char> fixed(n, 0);
   assembler.zero(fixed, fem.n_nodes(), 0.0);
   fem.add_tangent(s, assembler);
-  const CsrMatrix& csr = assembler.matrix();
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(n, n);
-  for (int row = 0; row < n; ++row)
-    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) = csr.value[k];
-  return K;
+  return dense_of(assembler.matrix());
 }
 
 /// Strains of the order of `size`, stretched and squeezed and turned, some points more than others.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <random>
 
+#include "../../support/dense.hpp"
 #include "base/error.hpp"
 #include "mesh/region.hpp"
 #include "transfer/mpm.hpp"
@@ -129,11 +130,7 @@ inline Eigen::MatrixXd tangent(MpmDiscretisation& mpm, const LawSettings& settin
   const std::vector<char> fixed(std::size_t(mpm.n_nodes()) * mpm.dimension(), 0);
   assembler.zero(fixed, mpm.halo.n_owned, 1.0);
   mpm.add_tangent(settings, assembler);
-  const CsrMatrix& csr = assembler.matrix();
-  Eigen::MatrixXd K = Eigen::MatrixXd::Zero(csr.n, csr.n);
-  for (int row = 0; row < csr.n; ++row)
-    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) K(row, csr.column[k]) = csr.value[k];
-  return K;
+  return dense_of(assembler.matrix());
 }
 
 /// Central difference of a function of one component of du.

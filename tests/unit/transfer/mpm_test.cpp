@@ -13,6 +13,7 @@
 #include <numbers>
 #include <random>
 
+#include "../../support/dense.hpp"
 #include "base/error.hpp"
 #include "mesh/region.hpp"
 
@@ -158,13 +159,6 @@ Eigen::VectorXd internal_force(MpmDiscretisation& mpm, const NodalVector& du, co
   NodalVector f = zeros(mpm);
   mpm.add_internal_force(f);
   return flat(f, mpm.dimension());
-}
-
-Eigen::MatrixXd dense_of(const CsrMatrix& csr) {
-  Eigen::MatrixXd found = Eigen::MatrixXd::Zero(csr.n, csr.n);
-  for (int row = 0; row < csr.n; ++row)
-    for (int k = csr.row_begin[row]; k < csr.row_begin[row + 1]; ++k) found(row, csr.column[k]) = csr.value[k];
-  return found;
 }
 
 /// What `add` adds to an empty matrix.
