@@ -83,6 +83,7 @@ NAMES = {
     "energy_error": "Energy error",
     "max_damage": "Largest damage",
     "stress_noise": "Stress noise",
+    "stress_error": "Estimated error of the stress",
     "cut_steps": "Cut steps",
     "newton_iterations": "Newton iterations",
     "points_lost": "Points lost",

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "sim/recovery.hpp"
 
 namespace berm {
 namespace {
@@ -136,10 +137,7 @@ void Recorder::record(const StepResult& result, Integration integration) {
   ++steps_;
   newton_iterations_ += result.iterations;
   write_row(result, integration);
-  // In space the metric costs as much as a step: a look at it for every third more of load.
-  const double growth = dimension_ == 3 ? 1.33 : 1.1;
-  if (noise_.empty() || std::abs(row_load_) > growth * noise_.back().first)
-    noise_.emplace_back(std::abs(row_load_), stress_noise());
+  look_at_stress();
   const Output& o = world_.spec.output;
   const bool due =
       o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12 * world_.spec.duration();
@@ -148,6 +146,14 @@ void Recorder::record(const StepResult& result, Integration integration) {
   if (!peak_ || peak_->time != world_.time) return write_frame(take_frame());
   write_frame(*peak_);  // just taken, and now it has its file
   peak_.reset();
+}
+
+/// In space the metrics cost as much as a step: a look at them for every third more of load.
+void Recorder::look_at_stress() {
+  const double growth = dimension_ == 3 ? 1.33 : 1.1, load = std::abs(row_load_);
+  if (!quality_.empty() && load <= growth * quality_.back().load) return;
+  const Discretisation& d = *world_.discretisation;
+  quality_.push_back({load, stress_noise(), recover_stress(d, patch_cells(d)).relative_error});
 }
 
 RecorderState Recorder::state() const {
@@ -161,7 +167,7 @@ RecorderState Recorder::state() const {
   s.next_frame = next_frame_;
   s.highest = highest_;
   s.peak_pending = peak_.has_value();
-  for (const auto& [load, noise] : noise_) s.noise.insert(s.noise.end(), {load, noise});
+  for (const Quality& q : quality_) s.quality.insert(s.quality.end(), {q.load, q.noise, q.error});
   s.frames = points_pvd_.entries();
   return s;
 }
@@ -183,7 +189,8 @@ void Recorder::resume(const RecorderState& s) {
   newton_iterations_ = s.newton_iterations;
   next_frame_ = s.next_frame;
   highest_ = s.highest;
-  for (std::size_t k = 0; k < s.noise.size(); k += 2) noise_.emplace_back(s.noise[k], s.noise[k + 1]);
+  for (std::size_t k = 0; k < s.quality.size(); k += 3)
+    quality_.push_back({s.quality[k], s.quality[k + 1], s.quality[k + 2]});
   restore_frames(s.frames);
   if (s.peak_pending) peak_ = take_frame();  // see before_checkpoint
 }

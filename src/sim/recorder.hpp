@@ -11,8 +11,8 @@
 #include "io/history.hpp"
 #include "io/summary.hpp"
 #include "io/vtu.hpp"
-#include "sim/local_fit.hpp"
 #include "sim/implicit_step.hpp"
+#include "sim/local_fit.hpp"
 
 namespace berm {
 
@@ -23,7 +23,7 @@ struct RecorderState {
   long newton_iterations = 0;
   double next_frame = 0.0, highest = 0.0;
   bool peak_pending = false;
-  std::vector<double> noise;                                ///< load, noise, load, ...
+  std::vector<double> quality;                              ///< load, noise, error, load, ...
   std::vector<std::pair<double, std::string>> frames;  ///< entries of points.pvd
 };
 
@@ -70,6 +70,13 @@ private:
   void write_row(const StepResult& result, Integration integration);
   void open_history();
   void append(const std::vector<double>& row);
+  /// How good the stresses were at a load.
+  struct Quality {
+    double load, noise, error;  ///< noise: on process 0
+  };
+  void look_at_stress();
+  /// A value of the one looked at nearest to a load, NaN if there is none.
+  double quality_at(double load, double Quality::*value) const;
   /// The state as VTK data, taken now and written now or later.
   struct Frame {
     double time = 0.0;
@@ -103,8 +110,8 @@ private:
   long newton_iterations_ = 0;
   double row_load_ = 0.0;
   int n_columns_ = 0;
-  std::vector<double> rows_;                      ///< all rows of the history
-  std::vector<std::pair<double, double>> noise_;  ///< load, noise (process 0)
+  std::vector<double> rows_;  ///< all rows of the history
+  std::vector<Quality> quality_;
 };
 
 }  // namespace berm

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "fem/fem.hpp"
 #include "sim/recorder.hpp"
+#include "sim/recovery.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -107,42 +107,36 @@ VtuData Recorder::points_data() const {
 VtuData Recorder::mesh_data() const {
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const auto* fem = dynamic_cast<const FemDiscretisation*>(world_.discretisation.get());
-  const Discretisation& d = *world_.discretisation;
-  const MaterialState& m = d.material;
-  const Mesh& mesh = d.mesh();
-  const std::vector<int>& cells = mpm ? mpm->active_cells() : fem->elements();
-
-  const std::vector<std::vector<int>> points = mpm ? mpm->points_by_cell() : std::vector<std::vector<int>>{};
+  const MaterialState& m = world_.discretisation->material;
+  const Mesh& mesh = world_.discretisation->mesh();
+  const std::vector<PatchCell> cells = patch_cells(*world_.discretisation);
+  const RecoveredStress recovered = recover_stress(*world_.discretisation, cells);
   VtuData data;
-  std::vector<double> displacement, fill, stress, damage;
+  std::vector<double> displacement, nodal, fill, stress, damage;
   std::vector<int> body;
-  std::map<int, int> number;  // of corners; where fields of a grid meet each has its own
+  std::unordered_map<long, int> number;  // of corners; where fields of a grid meet each has its own
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const int cell = cells[k], grid_cell = mpm ? mpm->grid_cell(cell) : cell;
-    const int field = mpm ? cell / mesh.n_cells() : 0;
-    const std::span<const int> corners = mpm ? mesh.nodes_of_cell(grid_cell) : d.blocks[static_cast<int>(k)];
-    for (const int node : corners) {
-      const auto [at, added] = number.try_emplace(node + field * mesh.n_nodes(), static_cast<int>(data.points.size()));
-      if (added) {
-        const Vec3 u = fem ? fem->displacement()[node] : Vec3::Zero();
-        data.points.push_back(fem ? Vec3(d.nodes[node] + u) : mesh.nodes[node]);
-        displacement.insert(displacement.end(), u.data(), u.data() + 3);
-      }
+    const int cell = mpm ? mpm->active_cells()[k] : fem->elements()[k];
+    for (std::size_t i = 0; i < cells[k].nodes.size(); ++i) {
+      const long node = cells[k].nodes[i];
+      const auto [at, added] = number.try_emplace(node, static_cast<int>(data.points.size()));
       data.connectivity.push_back(at->second);
+      if (!added) continue;
+      const Vec3 u = fem ? fem->displacement()[fem->blocks[static_cast<int>(k)][i]] : Vec3::Zero();
+      data.points.push_back(mesh.nodes[node % mesh.n_nodes()] + u);
+      displacement.insert(displacement.end(), u.data(), u.data() + 3);
+      const Voigt& s = recovered.node.at(node);
+      nodal.insert(nodal.end(), s.data(), s.data() + 6);
     }
     data.offsets.push_back(static_cast<int>(data.connectivity.size()));
-    data.types.push_back(vtk_type(mesh.kinds[grid_cell]));
+    data.types.push_back(vtk_type(mesh.kinds[mpm ? mpm->grid_cell(cell) : cell]));
     double volume = 0.0, sum = 0.0;
     Voigt s = Voigt::Zero();
-    auto add = [&](int p) {
+    for (const int p : cells[k].points) {
       volume += m.volume[p];
       sum += m.volume[p] * m.damage[p];
       s += m.volume[p] * m.stress[p];
-    };
-    if (mpm)
-      for (int p : points[k]) add(p);
-    else
-      for (int p = fem->first_point()[k]; p < fem->first_point()[k + 1]; ++p) add(p);
+    }
     if (volume > 0.0) {
       sum /= volume;
       s /= volume;
@@ -154,7 +148,8 @@ VtuData Recorder::mesh_data() const {
     else
       body.push_back(fem->body_of_element(cell));
   }
-  data.cell_fields = {{"stress", 6, stress}, {"damage", 1, damage}};
+  data.point_fields = {{"recovered_stress", 6, nodal}};
+  data.cell_fields = {{"stress", 6, stress}, {"stress_error", 1, recovered.cell_error}, {"damage", 1, damage}};
   if (mpm)
     data.cell_fields.push_back({"fill", 1, fill});
   else {

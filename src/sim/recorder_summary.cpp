@@ -72,6 +72,13 @@ double Recorder::energy_error(double stored, double dissipated) const {
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
+double Recorder::quality_at(double load, double Quality::*value) const {
+  const auto nearest = std::min_element(quality_.begin(), quality_.end(), [&](const Quality& a, const Quality& b) {
+    return std::abs(a.load - load) < std::abs(b.load - load);
+  });
+  return nearest == quality_.end() ? std::nan("") : (*nearest).*value;
+}
+
 std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   const Nominal& n = world_.spec.output.nominal;
   struct Point {
@@ -97,13 +104,6 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   };
   const double stiffness = 0.3 * load / n.area / ((at_load(0.4 * load) - at_load(0.1 * load)) / n.length);
 
-  double noise = std::nan("");
-  double best = infinity;
-  for (const auto& [at, value] : noise_)
-    if (std::abs(at - 0.5 * load) < best) {
-      best = std::abs(at - 0.5 * load);
-      noise = value;
-    }
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const long lost = mpm ? mpm->points_made() - world_.n_points() : 0;
   const double stored = stored_energy(), dissipated = dissipated_energy();
@@ -112,7 +112,8 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       {"peak_stress [Pa]", load / n.area},
       {"displacement_at_peak [m]", curve[peak].displacement},
       {"stiffness_10_40 [Pa]", stiffness},
-      {"stress_noise [-]", noise},
+      {"stress_noise [-]", quality_at(0.5 * load, &Quality::noise)},
+      {"stress_error [-]", quality_at(0.5 * load, &Quality::error)},
       {"energy_error [-]", energy_error(stored, dissipated)},
       {"dissipated_energy [J]", dissipated},
       {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},

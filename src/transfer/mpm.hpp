@@ -80,6 +80,10 @@ public:
   void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;
 
   const Grid& grid() const { return grid_; }
+  /// Of the shape functions.
+  int degree() const { return basis_.degree(); }
+  /// Where the grid sees the points: where they are, total Lagrangian where they started.
+  const std::vector<Vec3>& places_in_grid() const { return total_lagrangian_ ? X_ : x_; }
   /// Layered cells of this process that hold material, in the order of the blocks; the cell of the grid that one is; and
   /// the filled fraction of each.
   const std::vector<int>& active_cells() const { return active_cells_; }

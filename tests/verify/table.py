@@ -48,6 +48,8 @@ face the displacement of the others is off by the figures below.""",
     "Thick-walled cylinder": """Inner radius 0.05 m, outer radius 0.1 m, inner pressure 10 MPa, E = 30 GPa, nu = 0.2, ends held (tests/verify/lame.cpp): around the axis with 4 to 32
 cells over the wall, in space a quarter with 4 to 16. L2 errors over the points, orders between the two finest meshes.""",
     "Thick-walled cylinder, nu = 0.4999": """The same tube of a nearly incompressible solid, with F-bar and with pressures at the nodes (tests/verify/lame.cpp); the walls cut cells.""",
+    "Recovered stress": """The tube of "Thick-walled cylinder" on the finest mesh: stress at the nodes out of polynomials fitted about them ([formulation (63) - (65)](theory/formulation.md)), its
+RMS error over the nodes in the wall, its order between the two finest meshes, and the error of the stress at the points as estimated without the exact solution over the true one.""",
     "Cantilever, self-weight": """8 m x 1 m, E = 90 MPa, nu = 0, 1000 kg/m3, 9.81 m/s2, Hencky's solid, tip deflection 8 % of the length (tests/verify/cantilever.cpp). In one step from
 the undeformed state, with points at Gauss positions, MPM and FEM are the same equations if, and only if, the increment of F takes its gradients on the
 configuration at t_n. With many steps the points leave the Gauss positions, which costs the updated Lagrangian form accuracy; the total Lagrangian one is
