@@ -223,6 +223,19 @@ void warn_of_missing_contacts(World& w) {
                                          bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
 }
 
+/// Parts that functions of higher degree tie together. Collective.
+void warn_of_ties(World& w) {
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get());
+  if (!mpm) return;
+  const auto [count, at] = mpm->ties_across_gaps();
+  if (count == 0) return;
+  const std::string z = mpm->dimension() == 3 ? fmt::format(", {:.6g}", at.z()) : "";
+  w.warnings.push_back(fmt::format(
+      "grid.shape_functions: {} functions tie together parts that lie apart, the first near ({:.6g}, {:.6g}{}): functions "
+      "of degree {} reach across gaps of less than {} cells. Make the cells smaller, or take linear functions or cpdi",
+      count, at.x(), at.y(), z, mpm->degree(), mpm->degree()));
+}
+
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
   w.warnings = w.spec.warnings;
@@ -242,6 +255,7 @@ void collect_warnings(World& w) {
                       w.spec.bodies[slice.body].name, longest));
   }
   warn_of_missing_contacts(w);
+  warn_of_ties(w);
 }
 
 /// Pins, gauges and probes must lie in a deformable body.

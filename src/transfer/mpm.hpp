@@ -97,6 +97,9 @@ public:
   /// Points that there have been on all processes: those of the start and those that came by splitting.
   long points_made() const { return static_cast<long>(next_id_); }
   int n_patches() const { return patch_nodes_.size(); }
+  /// Nodes whose functions reach parts of a field that lie apart there, with empty cells between them: a slit that is too
+  /// narrow for B-splines. None with linear functions. How many, and where one of them is. Collective.
+  std::pair<long, Vec3> ties_across_gaps() const;
   /// Points that lie in each active cell.
   std::vector<std::vector<int>> points_by_cell() const;
 
@@ -134,6 +137,7 @@ private:
   void average_cells();
   void ask_neighbours();
   const CellState* cell_state(int cell) const;
+  bool ties_parts(int layered_node, const std::vector<char>& filled) const;
   void build_faces();
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
   void number_nodes();

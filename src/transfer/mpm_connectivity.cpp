@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -143,6 +144,74 @@ const MpmDiscretisation::CellState* MpmDiscretisation::cell_state(int cell) cons
   if (active_index_[cell] >= 0) return &cells_[active_index_[cell]];
   const auto found = remote_.find(cell);
   return found == remote_.end() ? nullptr : &found->second;
+}
+
+/// Whether the filled cells of the node's support fall into parts that are not connected by faces of filled cells, not even
+/// around the end of a slit one cell further.
+bool MpmDiscretisation::ties_parts(int layered_node, const std::vector<char>& filled) const {
+  const int field = layered_node / basis_.n_nodes(), n_cells = grid_.mesh.n_cells();
+  const Vec3 place = basis_.to_own_axes() * basis_.places()[layered_node % basis_.n_nodes()];
+  const double half = 0.5 * (basis_.degree() + 1) * cell_size_;
+  const auto within = [&](int cell, double reach) {
+    const Vec3 off = basis_.to_own_axes() * cell_centre(grid_.mesh, cell) - place;
+    return off.head(dimension()).cwiseAbs().maxCoeff() < reach;
+  };
+  const int home = grid_.locator->locate(basis_.places()[layered_node % basis_.n_nodes()], -1);
+  if (home < 0) return false;
+  // All cells about the node, empty ones too, by a walk over the faces.
+  std::vector<int> around = {home}, open;
+  std::set<int> seen = {home};
+  for (std::size_t k = 0; k < around.size(); ++k)
+    for (int f = 0; f < max_faces; ++f) {
+      const int other = grid_.neighbours[std::size_t(max_faces) * around[k] + f];
+      if (other >= 0 && within(other, half + cell_size_) && seen.insert(other).second) around.push_back(other);
+    }
+  std::set<int> left;
+  for (const int cell : around)
+    if (filled[cell + field * n_cells]) left.insert(cell);
+  int parts = 0;  // with a cell in the support
+  while (!left.empty()) {
+    bool counts = false;
+    open = {*left.begin()};
+    left.erase(left.begin());
+    while (!open.empty()) {
+      const int cell = open.back();
+      open.pop_back();
+      counts |= within(cell, half);
+      for (int f = 0; f < max_faces; ++f)
+        if (const int other = grid_.neighbours[std::size_t(max_faces) * cell + f]; other >= 0 && left.erase(other))
+          open.push_back(other);
+    }
+    parts += counts;
+  }
+  return parts > 1;
+}
+
+std::pair<long, Vec3> MpmDiscretisation::ties_across_gaps() const {
+  if (basis_.degree() == 1) return {0, Vec3::Zero()};
+  std::vector<int> mine;
+  for (std::size_t a = 0; a < active_cells_.size(); ++a)
+    if (cells_[a].fill > 0.0) mine.push_back(active_cells_[a]);
+  std::vector<char> filled(std::size_t(n_fields_) * grid_.mesh.n_cells(), 0);
+  for (const int cell : comm_.all_gather(mine)) filled[cell] = 1;
+  // A node with an empty cell beside it may be one; for the others there is nothing to look for.
+  std::vector<int> cells_of_node(halo.size(), 0);
+  for (std::size_t a = 0; a < active_cells_.size(); ++a)
+    if (cells_[a].fill > 0.0)
+      for (const int node : basis_.nodes_of(grid_cell(active_cells_[a])))
+        ++cells_of_node[local_node_[node + field_of(active_cells_[a]) * basis_.n_nodes()]];
+  const int all = static_cast<int>(std::lround(std::pow(basis_.degree() + 1, dimension())));
+  long count = 0;
+  Vec3 where = Vec3::Zero();
+  for (int i = 0; i < halo.n_owned; ++i) {
+    if (cells_of_node[i] == all || !ties_parts(static_cast<int>(halo.ids[i]), filled)) continue;
+    if (count++ == 0) where = nodes[i];
+  }
+  const long before = comm_.exclusive_sum(count);
+  std::vector<Vec3> first;
+  if (count > 0 && before == 0) first.push_back(where);
+  first = comm_.all_gather(first);
+  return {comm_.sum(count), first.empty() ? Vec3::Zero() : first[0]};
 }
 
 /// Ghost stabilisation (Burman 2010; for MPM: Coombs 2023): faces between active cells of which one is cut. A face
