@@ -85,13 +85,14 @@ public:
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
   /// gauges, 4 inclined boundaries; of all: 5 dashpots, 6 held surfaces.
   static constexpr int n_kinds = 7;
-  /// id, x, u, F, slip (pins: displacement when they began; held surfaces: force); held surfaces: what is missing.
-  static constexpr int row_width = 22;
+  /// id, x, u, F, slip (pins: displacement when they began; held surfaces: what is missing).
+  static constexpr int row_width = 19;
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
   void restore(int kind, const std::vector<double>& rows);
   /// Where rigid bodies are at that time; their points too move in finite kinematics.
   void restore_rigid(double time);
+  void check_held_surfaces(double time) const;
 
 private:
   struct NodeCondition {
@@ -136,6 +137,8 @@ private:
   void read_pressures(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface);
   void read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface);
+  void refuse_disagreement(const NodeBoundary& spec, const NodeBoundary& first,
+                           const std::vector<SurfacePoint>& surface) const;
   Mat3 held_directions(const HeldPoint& p) const;
   Vec3 held_step(const HeldPoint& p, double t0, double t1) const;
   Vec3 still_missing(const HeldPoint& p, const NodalVector& du, double t0, double t1) const;

@@ -6,12 +6,11 @@
 namespace berm {
 namespace {
 
-void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero(),
-                const Vec3& missing = Vec3::Zero()) {
+void append_row(std::vector<double>& rows, int id, const Anchor& a, const Vec3& slip = Vec3::Zero()) {
   rows.push_back(id);
   for (const Vec3* v : {&a.x, &a.u}) rows.insert(rows.end(), v->data(), v->data() + 3);
   rows.insert(rows.end(), a.F.data(), a.F.data() + 9);
-  for (const Vec3* v : {&slip, &missing}) rows.insert(rows.end(), v->data(), v->data() + 3);
+  rows.insert(rows.end(), slip.data(), slip.data() + 3);
 }
 
 void restore_anchor(Anchor& a, const double* row) {
@@ -49,7 +48,7 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
   if (kind == 5)
     for (const DashpotPoint& p : dashpots_) append_row(rows, p.id, p.anchor);
   if (kind == 6)
-    for (const HeldPoint& p : held_) append_row(rows, p.id, p.anchor, p.force, p.missing);
+    for (const HeldPoint& p : held_) append_row(rows, p.id, p.anchor, p.missing);
   return rows;
 }
 
@@ -77,8 +76,7 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
     if (kind == 6)
       if (HeldPoint* p = point_of(held_, id)) {
         restore_anchor(p->anchor, row);
-        p->force = Vec3(row[16], row[17], row[18]);
-        p->missing = Vec3(row[19], row[20], row[21]);
+        p->missing = Vec3(row[16], row[17], row[18]);
       }
   }
 }

@@ -21,4 +21,8 @@ inline double stiffness_of(const Case& c, int body) {
   return 0.0;
 }
 
+inline bool share_a_stage(const Stages& a, const Stages& b) {
+  return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
+}
+
 }  // namespace berm

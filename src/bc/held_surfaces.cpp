@@ -1,21 +1,51 @@
 /// Boundaries on the surface of a body, which move with it.
+#include <fmt/format.h>
+
+#include <map>
+#include <span>
+
+#include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
 namespace berm {
 namespace {
 
-/// Of the penalty, in units of E / h. Stiffer ones bind cut cells to their neighbours; the force is carried from step to
-/// step, so that softer ones give way in the last step only.
-constexpr double held_penalty = 100.0;
+/// Of the penalty, in units of E / h: what gives way is a 500th of what a cell does. Stiffer ones bind cut cells to their
+/// neighbours.
+constexpr double held_penalty = 500.0;
+
+/// Of two boundaries that act in the same stage.
+bool disagree(const NodeBoundary& a, const NodeBoundary& b) {
+  const auto slides = [](const NodeBoundary& n) { return !n.u[0] && !n.u[1] && !n.u[2]; };
+  if (slides(a) && slides(b)) return a.normal == b.normal && a.un != b.un;
+  for (int i = 0; i < 3; ++i)
+    if (a.u[i] && b.u[i] && *a.u[i] != *b.u[i]) return true;
+  return false;
+}
 
 }  // namespace
+
+/// Nodes would take what the first one says; here the two would pull at each other.
+void BoundaryConditions::refuse_disagreement(const NodeBoundary& spec, const NodeBoundary& first,
+                                             const std::vector<SurfacePoint>& surface) const {
+  if (first.body != spec.body || !share_a_stage(first.stages, spec.stages) || !disagree(first, spec)) return;
+  const int body = body_index(case_, spec.body);
+  std::map<const SurfacePoint*, double> share;  // a piece on the border of two regions has a part in each
+  for (const NodeBoundary* n : {&first, &spec})
+    for (const SurfacePart& part : caught_surface("boundary." + n->name, n->where, body, n->body, surface, dimension_))
+      if ((share[&part.piece] += part.share) > 1.0 + 1e-9)
+        throw InputError(fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements of the same part of the "
+                                     "surface of \"{}\": make their regions disjoint",
+                                     first.name, spec.name, spec.body));
+}
 
 void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface) {
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
     if (spec.body.empty()) continue;
     const int body = body_index(c, spec.body);
+    for (const NodeBoundary& first : std::span(c.boundaries).first(b)) refuse_disagreement(spec, first, surface);
     for (const auto& [s, share] : caught_surface("boundary." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
       HeldPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
@@ -53,17 +83,22 @@ Vec3 BoundaryConditions::still_missing(const HeldPoint& p, const NodalVector& du
   return p.missing + held_step(p, t0, t1) - held_directions(p) * p.anchor.stencil->interpolate(du);
 }
 
+/// Throws if a motion has no value somewhere at that time.
+void BoundaryConditions::check_held_surfaces(double time) const {
+  for (const HeldPoint& p : held_)
+    if (acts(case_.boundaries[p.boundary].stages)) held_step(p, time, time);
+}
+
 /// Force of the support on the body [N].   [boundaries (14)]
 Vec3 BoundaryConditions::held_force(const HeldPoint& p, const NodalVector& du, double t0, double t1) const {
   if (!acts(case_.boundaries[p.boundary].stages)) return Vec3::Zero();
-  return p.force + p.stiffness * still_missing(p, du, t0, t1);
+  return p.stiffness * still_missing(p, du, t0, t1);
 }
 
 void BoundaryConditions::commit_held_surfaces(const NodalVector& du, double t0, double t1) {
   for (HeldPoint& p : held_) {
-    const bool now = acts(case_.boundaries[p.boundary].stages);
-    p.force = held_force(p, du, t0, t1);
-    p.missing = now ? still_missing(p, du, t0, t1) : Vec3(Vec3::Zero());
+    const bool acts_now = acts(case_.boundaries[p.boundary].stages);
+    p.missing = acts_now ? still_missing(p, du, t0, t1) : Vec3(Vec3::Zero());
   }
 }
 

@@ -26,7 +26,7 @@ Reactions BoundaryConditions::reactions(const NodalVector& du, double t0, double
   for (const HeldPoint& p : held_) {
     const Vec3 force = held_force(p, du, t0, t1);
     add(n_bodies + p.boundary, force);
-    if (acts(case_.boundaries[p.boundary].stages)) held_work += 0.5 * (p.force + force).dot(held_step(p, t0, t1));
+    if (acts(case_.boundaries[p.boundary].stages)) held_work += 0.5 * (p.stiffness * p.missing + force).dot(held_step(p, t0, t1));
   }
   comm_.sum(sums);
   const auto vector_at = [&](std::size_t index) {

@@ -6,14 +6,11 @@
 
 #include "base/error.hpp"
 #include "bc/boundary.hpp"
+#include "bc/case_lookup.hpp"
 #include "method/depth.hpp"
 
 namespace berm {
 namespace {
-
-bool share_a_stage(const Stages& a, const Stages& b) {
-  return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
-}
 
 /// Stiffness of an inclined node, in units of E t (in space E h).
 constexpr double inclined_penalty = 1e6;

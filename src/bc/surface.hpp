@@ -71,7 +71,6 @@ struct HeldPoint {
   bool slides = false;          ///< only the displacement along the normal is prescribed
   Vec3 normal = Vec3::Zero();
   double stiffness = 0.0;       ///< penalty times area [N/m]
-  Vec3 force = Vec3::Zero();    ///< on the body at t_n [N]
   Vec3 missing = Vec3::Zero();  ///< prescribed less actual displacement at t_n [m]
 };
 

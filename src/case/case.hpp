@@ -23,6 +23,7 @@ enum class Method { mpm, fem };
 enum class Formulation { updated_lagrangian, total_lagrangian };
 /// Volumetric strain of a point: its own, the mean over the points of its cell, or that of a pressure at the nodes.
 enum class Volumetric { standard, f_bar, mixed };
+enum class Quadrature { points, gauss };
 /// On the background grid.
 enum class ShapeFunctions { linear, quadratic_bspline, cubic_bspline, ugimp, cpgimp, b2gimp, cpdi };
 /// Points stand for domains that cover several cells.
@@ -281,6 +282,7 @@ struct Case {
   Kinematics kinematics = Kinematics::finite;
   Formulation formulation = Formulation::updated_lagrangian;  ///< mpm only
   Volumetric volumetric = Volumetric::standard;               ///< mpm only
+  Quadrature quadrature = Quadrature::points;                 ///< mpm only
   double thickness = 1.0;                                     ///< of plane models [m]
   VectorFunction gravity;                                     ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)

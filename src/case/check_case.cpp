@@ -41,6 +41,7 @@ public:
     check_fluids();
     check_plane_stress();
     check_volumetric();
+    check_quadrature();
     check_placement();
   }
 
@@ -167,6 +168,11 @@ private:
     refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
               names_of(c_.output.gauges));
     for (const NodeBoundary& b : c_.boundaries)
+      if (b.name == nominal.displacement && !b.body.empty() && !b.normal && !b.u[0] && !b.u[1] && !b.u[2])
+        scope.explain("displacement", fmt::format("boundary \"{}\" moves along the normals of its surface, which differ from "
+                                                  "place to place; give it a normal, or take a gauge",
+                                                  b.name));
+    for (const NodeBoundary& b : c_.boundaries)
       if (b.name == nominal.displacement && b.depends_on_place())
         scope.explain("displacement", fmt::format("the displacement of boundary \"{}\" differs from node to node; take "
                                                   "a gauge",
@@ -278,6 +284,16 @@ private:
       refuse(
           "needs a grid of quads or hexahedra: the strain of a linear triangle or tetrahedron is uniform already "
           "(\"mixed\" helps there as long as nothing moves)");
+  }
+
+  void check_quadrature() const {
+    if (c_.quadrature == Quadrature::points) return;
+    const auto refuse = [&](const char* why) { at("model").explain("quadrature", fmt::format("\"gauss\" {}", why)); };
+    if (c_.method == Method::fem) refuse("is for method \"mpm\": finite elements have no other points");
+    if (c_.volumetric != Volumetric::standard) refuse("goes with volumetric = \"standard\" only");
+    if (c_.space == Space::axisymmetric) refuse("is for plane models and space, not for axisymmetric ones");
+    if (has_domains(c_.shape_functions))
+      refuse("is for points without domains: not with grid.shape_functions = ugimp, cpgimp, b2gimp or cpdi");
   }
 
   /// What has pressures among its unknowns is solved directly, and the equation of volumes is no equation of motion.

@@ -64,8 +64,9 @@ void ImplicitStep::prepare(Integration integration) {
   Discretisation& d = *world_.discretisation;
   settings_.integration = integration;
   const bool mixed = world_.spec.volumetric == Volumetric::mixed;  // symmetric at best, but never positive definite
+  const bool own_gradients = world_.spec.quadrature == Quadrature::gauss;  // of the forces
   const bool symmetric =
-      gauge_ < 0 && !mixed && world_.boundary->symmetric() && (integration != Integration::implicit || all_elastic(d.material));
+      gauge_ < 0 && !mixed && !own_gradients && world_.boundary->symmetric() && (integration != Integration::implicit || all_elastic(d.material));
   const Stopwatch watch(times_.connectivity);
   if (!prepared_) {
     if (!world_.step_begun) world_.begin_step();
@@ -104,11 +105,10 @@ NodalVector ImplicitStep::weight_at(double time) const {
   for (const Body& b : bodies)
     uniform.push_back(b.acceleration.depends_on_place() ? std::nullopt
                                                         : std::optional<Vec3>(gravity + b.acceleration.at(time)));
-  d.add_body_force(
-      [&](int body, const Vec3& X) {
-        return uniform[body] ? *uniform[body] : Vec3(gravity + bodies[body].acceleration.at(time, X));
-      },
-      f);
+  const auto acceleration = [&](int body, const Vec3& X) {
+    return uniform[body] ? *uniform[body] : Vec3(gravity + bodies[body].acceleration.at(time, X));
+  };
+  world_.comm.agree([&] { d.add_body_force(acceleration, f); });
   d.halo.add_to_owners(f.data()->data(), 3);
   return f;
 }
@@ -358,6 +358,11 @@ void ImplicitStep::start_acceleration() {
   d.halo.add_to_owners(f.data()->data(), 3);
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
   d.halo.copy_to_ghosts(f.data()->data(), 3);
+  // Nodes whose motion is prescribed have no acceleration of their own: what is missing there is the force of the support.
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  for (std::size_t i = 0; i < f.size(); ++i)
+    for (int c = 0; c < dimension_; ++c)
+      if (fixed[dimension_ * i + c]) f[i][c] = 0.0;
   motion_->set_acceleration(f);
   d.start_accelerations(motion_->gathered_acceleration());
 }
@@ -413,7 +418,10 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   settings_.dt = dt;
   check_motions();
   weight_ = weight_at(t1_);
-  world_.comm.agree([&] { prescribed_ = world_.boundary->prescribed_increment(t0_, t1_); });
+  world_.comm.agree([&] {
+    prescribed_ = world_.boundary->prescribed_increment(t0_, t1_);
+    world_.boundary->check_held_surfaces(t1_);
+  });
   if (motion_) begin_motion(dt);
   du_.assign(world_.discretisation->n_nodes(), Vec3::Zero());
   cached_r_.clear();
@@ -429,7 +437,12 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const std::vector<char>& fixed = world_.boundary->fixed();
   for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
     if (fixed[k]) x[k] = prescribed_[k];
-  if (!residual(x, r)) {
+  bool defined = residual(x, r);
+  if (!defined) {  // what the last step or the velocities promise may turn a point inside out: begin without them
+    for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k) x[k] = fixed[k] ? prescribed_[k] : 0.0;
+    defined = residual(x, r);
+  }
+  if (!defined) {
     last_dt_ = 0.0;
     result.reason = "the first guess lies outside of what the law is defined for";
     return result;

@@ -62,7 +62,7 @@ private:
   /// Nominal load and displacement of the present state.
   Vec3 nominal_force() const;
   double nominal_displacement() const;
-  std::vector<double> probe_values() const;
+  std::vector<double> probe_values();
   double stress_noise() const;
   double stored_energy() const;
   double dissipated_energy() const;
@@ -99,6 +99,7 @@ private:
   std::filesystem::path folder_;
   int dimension_;
   std::vector<NamedProbe> probes_;
+  long fitted_points_ = -1;  ///< points made when the probes were fitted
   std::unique_ptr<HistoryWriter> history_;
   PvdWriter points_pvd_, mesh_pvd_;
   int frame_ = 0;

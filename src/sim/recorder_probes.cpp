@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "sim/recorder.hpp"
+#include "transfer/mpm.hpp"
 
 namespace berm {
 namespace {
@@ -26,9 +27,15 @@ std::vector<std::string> Recorder::probe_columns() const {
   return names;
 }
 
-/// Weights by the places where the points were at the start. All processes know those near a probe.
+/// Weights by the places where the points were at the start. All processes know those near a probe. Anew when there are
+/// other points, since some have been split.
 void Recorder::fit_probes() {
   const Discretisation& d = *world_.discretisation;
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
+  const long points = mpm ? mpm->points_made() : 0;
+  if (points == fitted_points_) return;
+  fitted_points_ = points;
+  probes_.clear();
   const double h = d.cell_size(), reach = 3.0 * h;
   const std::vector<Vec3> origins = d.point_origins();
   std::vector<double> near;
@@ -64,7 +71,8 @@ void Recorder::fit_probes() {
   }
 }
 
-std::vector<double> Recorder::probe_values() const {
+std::vector<double> Recorder::probe_values() {
+  fit_probes();
   std::vector<double> values(probes_.size(), 0.0);
   if (probes_.empty()) return values;
   const Discretisation& d = *world_.discretisation;

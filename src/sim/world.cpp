@@ -87,6 +87,12 @@ Grid make_grid(const Case& c) {
   return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
 }
 
+/// The grid of quads or hexahedra that one of triangles or tetrahedra was cut from.
+Grid boxes_of(StructuredGrid structure) {
+  structure.kind = dimension_of(structure.kind) == 2 ? GridKind::quads : GridKind::hexahedra;
+  return make_structured_grid(structure);
+}
+
 ShapeChoice shape_choice(const Case& c) {
   using Domain = ShapeChoice::Domain;
   const bool follows = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
@@ -119,8 +125,10 @@ void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
+  ShapeChoice shapes = shape_choice(c);
+  shapes.at_gauss_points = c.quadrature == Quadrature::gauss;
   auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
-                                                 c.volumetric, shape_choice(c));
+                                                 c.volumetric, shapes);
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
@@ -150,7 +158,11 @@ void build_mpm(World& w) {
       const Region region(*body.shape, h);
       PointSeeding seeding = body.points;
       if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
-      points = seed_from_grid(region, mpm->grid(), seeding, body.name);
+      // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
+      const StructuredGrid* structure = mpm->grid().structure.get();
+      points = has_domains(c.shape_functions) && structure
+                   ? seed_from_grid(region, boxes_of(*structure), seeding, body.name)
+                   : seed_from_grid(region, mpm->grid(), seeding, body.name);
       add_surface_of_shape(c, index, region, spacing, surface);
     }
     mpm->add_body(index, body.name, material, points, c.thickness);

@@ -22,14 +22,13 @@ std::string text_of(const Vec3& x, int dimension) {
 /// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, then what the material keeps.
 constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1 + 9;
 
-/// Domain of a point of the given area (volume): a box along the axes of a grid of boxes, in the given ratios or those of
-/// its cells; on other grids a square or cube.
+/// Domain of a point of the given area (volume): a box along the axes of a structured grid, in the given ratios or those of
+/// its boxes; on other grids a square or cube.
 Mat3 edges_of_seed(const Grid& grid, const Mat3& to_own_axes, double measure, const Vec3& box) {
   const int d = grid.dimension();
   Vec3 cell = Vec3::Ones();
   const StructuredGrid* s = grid.structure.get();
-  if (s && (s->kind == GridKind::quads || s->kind == GridKind::hexahedra))
-    cell.head(d) = box.isZero(0.0) ? s->cell_size.head(d) : box.head(d);
+  if (s) cell.head(d) = box.isZero(0.0) ? s->cell_size.head(d) : box.head(d);
   Vec3 edges = Vec3::Zero();
   edges.head(d) = cell.head(d) * std::pow(measure / cell.head(d).prod(), 1.0 / d);
   return to_own_axes.transpose() * edges.asDiagonal();
@@ -66,6 +65,7 @@ MpmDiscretisation::MpmDiscretisation(Grid grid, Space space, double ghost_penalt
                 : shapes.domain == Domain::box ? (d == 3 ? wide * wide * wide : wide * wide)
                                                : (d == 3 ? 64 : 16);
   stride_ = most_nodes_ * (1 + d);
+  at_gauss_points_ = shapes.at_gauss_points;
 }
 
 void MpmDiscretisation::add_body(int body, const std::string& name, const Material& spec, const SeededPoints& points,
@@ -176,6 +176,9 @@ void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& row
   }
   material.replace(material_rows);
   cell_.assign(id_.size(), -1);
+  // The cells of the last step know nothing of these points.
+  for (int c : active_cells_) active_index_[c] = -1;
+  active_cells_.clear(), cells_.clear(), layered_.clear();
 }
 
 void MpmDiscretisation::find_cells() {
@@ -250,7 +253,11 @@ void MpmDiscretisation::restore_points(const std::vector<std::vector<double>>& r
 }
 
 int MpmDiscretisation::locate(Anchor& a) const {
-  a.cell = grid_.locator->locate(seen(a) + 1e-6 * cell_size_ * a.inward, a.cell);
+  const int hint = a.cell;
+  for (const double inward : {1e-6, 0.02}) {  // what a support on the edge of the grid gives way may lie outside
+    a.cell = grid_.locator->locate(seen(a) + inward * cell_size_ * a.inward, hint);
+    if (a.cell >= 0) break;
+  }
   if (a.cell < 0)
     throw RunError(fmt::format("a surface point has left the background grid at {}: make the grid larger",
                                text_of(a.x, dimension())));
@@ -336,7 +343,8 @@ Status MpmDiscretisation::evaluate(const NodalVector& du, const LawSettings& set
   return status == Status::ok ? material.respond(settings) : status;
 }
 
-/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part; mixed (50)]
+/// f_I = sum_p tau_p grad_{n+1} N_I V0   [formulation (8); around an axis (26); F-bar (45), first part; mixed (50); Gauss
+/// points (66)]
 template <int dimension, bool hoop>
 void MpmDiscretisation::internal_force(NodalVector& f) const {
   std::array<Vec3, BasisAt::most> sum;
@@ -350,9 +358,10 @@ void MpmDiscretisation::internal_force(NodalVector& f) const {
       Mat3 tau = response_detail::tensor(material.trial[p].stress) * material.volume[p];
       if (averaged) tau.diagonal().head(volumetric_directions()).array() -= mean_stress_volume(p);
       const Mat3 by_gradient = tau * push_[p];
+      const double* gradient = force_gradient(p, n);
       for (int k = 0; k < n; ++k)
         for (int i = 0; i < dimension; ++i)
-          for (int j = 0; j < dimension; ++j) sum[k][i] += by_gradient(i, j) * s[n + dimension * k + j];
+          for (int j = 0; j < dimension; ++j) sum[k][i] += by_gradient(i, j) * gradient[dimension * k + j];
       if constexpr (hoop) {
         const double r = seen(p).x();
         for (int k = 0; k < n; ++k) sum[k].x() += by_gradient(2, 2) * hoop_gradient(s, n, r, k);
@@ -368,7 +377,8 @@ void MpmDiscretisation::add_internal_force(NodalVector& f) const {
   if (mixed_) add_volume_residuals(f);
 }
 
-/// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with n nodes.   [formulation (10)]
+/// K_(Ii)(Jk) = g_I,j a_ijkl g_J,l V0, summed over the points of a cell with n nodes; the first g is that of the forces.
+/// [formulation (10)]
 template <int dimension, bool hoop, int n>
 void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, double* out) const {
   constexpr int components = dimension * dimension + (hoop ? 1 : 0), width = dimension * n;
@@ -378,17 +388,20 @@ void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, do
   Modulus<components> a;
   // Increments of the stress components for unit displacements of the nodes.
   Eigen::Matrix<double, components, width, Eigen::RowMajor> increment;
-  double g[n][dimension], ring[n] = {};
+  double g[n][dimension], of_force[n][dimension], ring[n] = {};
   for (int p : points_in(active)) {
     material.modulus<components>(p, settings, a);
     a *= material.volume[p];
-    const double* s = shape(p);
+    const double *s = shape(p), *gradient = force_gradient(p, n);
     const Mat3& push = push_[p];
     const double r = hoop ? seen(p).x() : 0.0;
     for (int k = 0; k < n; ++k) {
       for (int i = 0; i < dimension; ++i) {
-        g[k][i] = 0.0;
-        for (int j = 0; j < dimension; ++j) g[k][i] += push(i, j) * s[n + dimension * k + j];
+        g[k][i] = of_force[k][i] = 0.0;
+        for (int j = 0; j < dimension; ++j) {
+          g[k][i] += push(i, j) * s[n + dimension * k + j];
+          of_force[k][i] += push(i, j) * gradient[dimension * k + j];
+        }
       }
       if constexpr (hoop) ring[k] = push(2, 2) * hoop_gradient(s, n, r, k);
     }
@@ -402,8 +415,8 @@ void MpmDiscretisation::cell_tangent(int active, const LawSettings& settings, do
         }
     for (int k = 0; k < n; ++k)
       for (int i = 0; i < dimension; ++i) {
-        Row row = g[k][0] * increment.row(dimension * i);
-        for (int j = 1; j < dimension; ++j) row += g[k][j] * increment.row(dimension * i + j);
+        Row row = of_force[k][0] * increment.row(dimension * i);
+        for (int j = 1; j < dimension; ++j) row += of_force[k][j] * increment.row(dimension * i + j);
         if (hoop && i == 0) row += ring[k] * increment.row(components - 1);
         K.row(dimension * k + i) += row;
       }

@@ -20,6 +20,7 @@ struct ShapeChoice {
   int degree = 1;                                   ///< of the grid's functions (GridBasis)
   Domain domain = Domain::none;
   bool follows = false;  ///< the domain deforms with the body, else it keeps its edges of the start
+  bool at_gauss_points = false;  ///< forces inside of the body from stresses at Gauss points, without domains
 };
 
 class MpmDiscretisation final : public Discretisation {
@@ -137,6 +138,10 @@ private:
   void average_cells();
   void ask_neighbours();
   const CellState* cell_state(int cell) const;
+  // stresses at Gauss points (mpm_quadrature.cpp)
+  bool is_inside(int active) const;
+  void look_at_gauss_points();
+  void fit_forces(int active);
   bool ties_parts(int layered_node, const std::vector<char>& filled) const;
   void build_faces();
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
@@ -165,8 +170,11 @@ private:
   void surfaces_of_interfaces(const std::vector<char>& held);
   void separate_points(const std::vector<char>& held);
   void gaps_of_interfaces();
-  /// Volume of a point over the one at reference, as the grid sees it.
-  double swollen(int p) const { return total_lagrangian_ ? 1.0 : material.F[p].determinant(); }
+  /// Area (volume in space) of a point over the one at reference, as the grid sees it.
+  double swollen(int p) const {
+    const double J = total_lagrangian_ ? 1.0 : material.F[p].determinant();
+    return space_ == Space::axisymmetric && !total_lagrangian_ ? J / material.F[p](2, 2) : J;
+  }
   int owner_of_cell(int cell) const { return partition_.owner(cell_centre(grid_.mesh, cell)); }
 
   template <int dimension, bool hoop>
@@ -217,6 +225,10 @@ private:
   }
 
   /// Shape functions of a point at t_n: n values, then n gradients.
+  /// Gradients with which a point of a patch with n nodes pushes at them: its own, or those of its cell's Gauss points.
+  const double* force_gradient(int p, int n) const {
+    return at_gauss_points_ ? force_gradient_.data() + std::size_t(p) * dimension() * most_nodes_ : shape(p) + n;
+  }
   const double* shape(int p) const { return shape_.data() + std::size_t(p) * stride_; }
   double hoop_gradient(const double* s, int n, double r, int k) const;
 
@@ -262,6 +274,7 @@ private:
   std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1
   std::vector<Vec3> shift_;  ///< of their places in that cell
   std::vector<double> shape_;
+  std::vector<double> force_gradient_;  ///< see force_gradient()
   std::vector<Mat3> push_;  ///< from gradients at t_n (total: at the start) to the trial configuration
   std::vector<double> stretch_;        ///< F-bar, total Lagrangian: stored over compatible stretch, s of (43)
   std::vector<double> trial_stretch_;  ///< of the trial state
@@ -271,6 +284,7 @@ private:
   std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (49)
   int most_nodes_ = 0;      ///< of a patch
   int stride_ = 0;          ///< of shape_
+  bool at_gauss_points_ = false;
   std::int64_t next_id_ = 0;  ///< points that there have been, on all processes
 
   std::vector<double> youngs_of_slice_;  ///< scales the stabilisation (plane: times thickness)

@@ -25,7 +25,8 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   }
   push_.resize(x_.size(), Mat3::Identity());
   remote_.clear();
-  if (comm_.size() > 1 && ghost_penalty_ > 0.0) ask_neighbours();
+  if (comm_.size() > 1 && (ghost_penalty_ > 0.0 || at_gauss_points_)) ask_neighbours();
+  if (at_gauss_points_) look_at_gauss_points();
   build_faces();
   number_nodes();
   if (f_bar_) group_points();
@@ -114,7 +115,7 @@ void MpmDiscretisation::average_cells() {
 
 std::vector<std::vector<int>> MpmDiscretisation::points_by_cell() const {
   std::vector<std::vector<int>> out(active_cells_.size());
-  for (std::size_t p = 0; p < x_.size(); ++p)
+  for (std::size_t p = 0; p < layered_.size(); ++p)
     if (const int a = active_index_[layered_[p]]; a >= 0) out[a].push_back(static_cast<int>(p));
   return out;
 }

@@ -209,10 +209,19 @@ void MpmDiscretisation::split_points() {
           v_[p] += factor * C_[p] * now;
         };
         edges_[p].col(edge) *= 0.5;
-        for (double* size : {&mass_[p], &measure_[p], &material.volume[p]}) *size *= 0.5;
+        measure_[p] *= 0.5;
+        // Around an axis the outer half has the longer way round.
+        const double uneven = space_ == Space::axisymmetric ? at_start.x() / X_[p].x() : 0.0;
+        const double mass = mass_[p], volume = material.volume[p];
+        const auto take = [&](double share) {
+          mass_[p] = share * mass;
+          material.volume[p] = share * volume;
+        };
         move(-1.0);
+        take(0.5 * (1.0 - uneven));
         keep(p);
         move(2.0);
+        take(0.5 * (1.0 + uneven));
         const auto at = std::lower_bound(split.begin(), split.end(), id_[p]);
         id_[p] = next_id_ + (at - split.begin());
         keep(p);

@@ -368,7 +368,48 @@ load = "pull"
 displacement = "pull"
 direction = [1.0, 0.0]
 """
-# The same, its left side a boundary that moves with it.
+# A bar that becomes half as long again: points with domains are split at a third.
+STRETCHED = """
+[model]
+plane = "strain"
+[grid]
+origin = [-0.5, -0.5]
+cell_size = 0.1
+cells = [30, 12]
+[material.rubber]
+law = "neo_hookean"
+density = 1000.0
+youngs_modulus = 1e6
+poisson_ratio = 0.0
+[body.bar]
+material = "rubber"
+shape.box = { min = [0.0, 0.0], max = [1.0, 0.5] }
+[boundary.left]
+body = "bar"
+where.box.max = [1e-6, 10.0]
+ux = 0.0
+[boundary.bottom]
+body = "bar"
+where.box.max = [10.0, 1e-6]
+uy = 0.0
+[boundary.right]
+body = "bar"
+where.box.min = [0.999999, -10.0]
+ux = "0.5*t"
+[probe.middle]
+at = [0.5, 0.2]
+quantity = "displacement_x"
+[steps]
+count = 60
+adaptive = false
+[output]
+frames = 4
+[output.nominal]
+load = "right"
+displacement = "right"
+direction = [1.0, 0.0]
+"""
+# DRAWN, its left side a boundary that moves with it.
 HELD = (DRAWN[:DRAWN.index("[body.hand]")] + """[boundary.grip]
 body = "block"
 where.box.max = [0.2001, 10.0]
@@ -677,6 +718,7 @@ TEXT = {
     "axisymmetric": AXISYMMETRIC,
     "drawn": DRAWN,
     "held": HELD,
+    "stretched": STRETCHED,
     "drawn_solid": DRAWN_SOLID,
     "sliding": SLIDING,
     "inclined": INCLINED,
@@ -934,6 +976,12 @@ class AnyNumberOfProcesses(Case):
 
     def test_held_surface(self):
         self.same("held", history=1e-7, points=1e-7)
+
+    def test_motion_without_a_value_on_one_process(self):
+        """One error in place of a process that waits for ever."""
+        for n in (1, 2):
+            words = command("held", fresh(f"nan_{n}"), n, ["boundary.grip.ux=sqrt(0.5 - t)*(y + 2)"])
+            self.assert_one_message(call(words), 1, "sqrt(0.5 - t)")
         self.same("held", ["grid.shape_functions=cpdi"], history=1e-7, points=1e-7, counts=(2,))
 
     def test_without_rebalancing(self):
@@ -1006,6 +1054,14 @@ class Continued(Case):
     # The forces of held surfaces; domains of points.
     def test_held_surface(self):
         self.goes_on("held", 1, 2, ["grid.shape_functions=cpdi"], history=1e-7, points=1e-7)
+
+    # More points than at the start.
+    def test_domains_that_were_split(self):
+        self.goes_on("stretched", 1, 2, ["grid.shape_functions=cpdi"], history=1e-7, points=1e-7, steps=45)
+        run = Run(finished("stretched", 1, ["grid.shape_functions=cpdi", *CHECKPOINTS]))
+        self.assertGreater(len(run.last()["id"]), len(run.frame(0)["id"]))
+        probe = run.history["probe:middle"]  # exact at any step, also where the points become others
+        np.testing.assert_allclose(probe, 0.25 * run.history["time"], atol=2e-3)
 
     # The slip of contacts, and the place of the points of a rigid body that moves.
     def test_contact(self):

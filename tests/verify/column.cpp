@@ -32,7 +32,8 @@ const Column slight{"50 m, E = 1 MPa", 50.0, 1e6, 20, {0.415739, 0.716879, 0.900
 struct Variant {
   std::string name, method, formulation;
   int order = 1;
-  std::string functions = "linear";  ///< mpm
+  std::string functions = "linear";   ///< mpm
+  std::string quadrature = "points";  ///< mpm
 };
 const Variant updated{"mpm, updated Lagrangian", "mpm", "updated_lagrangian"},
     total{"mpm, total Lagrangian", "mpm", "total_lagrangian"}, quad4{"fem, quad4", "fem", "updated_lagrangian"},
@@ -56,6 +57,7 @@ Errors solve(const Column& c, const Variant& v, int cells) {
 method = "{}"
 [model]
 formulation = "{}"
+quadrature = "{}"
 gravity = [0.0, {}]
 [grid]
 shape_functions = "{}"
@@ -84,7 +86,7 @@ to = [{}, {}]
 count = {}
 adaptive = false
 )",
-                          v.method, v.formulation, -Column::gravity, v.functions, cells, h, Column::density, c.youngs, h, c.height,
+                          v.method, v.formulation, v.quadrature, -Column::gravity, v.functions, cells, h, Column::density, c.youngs, h, c.height,
                           h, v.order, 0.5 * h, 0.5 * h, c.height, c.steps));
   for (int k = 0; k < c.steps; ++k)
     if (!model.advance(1.0 / c.steps).converged) return {INFINITY, INFINITY, INFINITY};
@@ -213,6 +215,16 @@ TEST(SelfWeightColumn, SmoothFunctionsOfPoints) {
   report(large, cubic, 0.003, 3e-4);
   report(slight, ugimp, 1e-3, 1e-4);
   report(large, ugimp, 0.015, 0.01);
+}
+
+/// Stresses at Gauss points: an even quadrature again, in cells that points have crossed.   [formulation (66), (67)]
+TEST(SelfWeightColumn, GaussPoints) {
+  for (const Column& c : {slight, large})
+    for (Variant v : {updated, quadratic, cubic}) {
+      v.name += ", Gauss points";
+      v.quadrature = "gauss";
+      study(c, v, grids);
+    }
 }
 
 /// Domains that go with the body fill it at any time: second order returns.

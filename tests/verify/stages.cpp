@@ -202,6 +202,55 @@ count = 1
   EXPECT_TRUE(model.world->boundary->grid_contact().rows().empty());
 }
 
+/// A block in equilibrium under its weight stays at rest when the analysis becomes a dynamic one, on nodes that are held and
+/// on a surface that is.
+TEST(Motion, BeginsAtRest) {
+  for (const char* kinematics : {"small", "finite"})
+    for (const char* body : {"", "body = \"b\"\n"})
+      for (const char* transfer : {"flip", "blend", "apic"}) {
+        Model model(fmt::format(R"toml(
+[model]
+plane = "strain"
+kinematics = "{}"
+gravity = [0.0, "-10*min(t, 1)"]
+[grid]
+origin = [-0.5, -0.5]
+cell_size = 0.1
+cells = [20, 20]
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e7
+poisson_ratio = 0.0
+[body.b]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [0.5, 1.0] }}
+[boundary.base]
+{}where.box.max = [10.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[stage.load]
+count = 4
+adaptive = false
+[stage.move]
+analysis = "dynamic"
+count = 50
+duration = 0.05
+adaptive = false
+dynamics.transfer = "{}"
+)toml",
+                                kinematics, body, transfer));
+        double kinetic = 0.0, off = 0.0;
+        ASSERT_TRUE(model.run([&](const StepResult&) {
+          if (model.world->time <= 1.0) return;
+          kinetic = std::max(kinetic, model.step.balance().kinetic);
+          off = std::max(off, std::abs(model.step.balance().reactions.boundary[0].y() - 5000.0));
+        }));
+        EXPECT_LT(kinetic, 1e-6) << kinematics << ' ' << body << transfer;  // of 0.83 J of elastic energy
+        EXPECT_LT(off, 10.0) << kinematics << ' ' << body << transfer;
+      }
+}
+
 /// v = v0 exp(-a_R t): damping acts from the first instant.   [dynamics (10), (14)]
 TEST(Motion, DampingActsFromTheStart) {
   Model model(block + R"toml(

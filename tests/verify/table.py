@@ -62,7 +62,7 @@ not care.""",
 keeps stiffness and iterations what they are.""",
     "Cut cells, 40 grid offsets between 0 and h, rough platens (V3)": """The same specimen between tied platens at 40 offsets, by shape function, with and without ghost stabilisation: condition number of the
 matrix of the first step (Eigen's dense eigenvalues), spread of the stiffness, linear solves (tests/verify/cut_cells.cpp).""",
-    "Held surfaces that cut cells": """`[boundary.NAME]` with a `body`: displacements prescribed on a surface that does not fit the grid, by augmented Lagrange (tests/verify/held_surface.cpp).""",
+    "Held surfaces that cut cells": """`[boundary.NAME]` with a `body`: displacements prescribed on a surface that does not fit the grid, by a penalty (tests/verify/held_surface.cpp).""",
     "Stressed block that travels through the grid (V2)": """A block under uniform stress, its points out of step with the cells, is carried rigidly by 3.7 and 2.3 cells in 100 steps: nodal forces inside it, which should be zero
 (tests/verify/crossing.cpp).""",
     "Bar drawn to three times its length (V6)": """1 m x 0.2 m, nu = 0, in 200 steps: stretch up to which every point's stress is within 1 % of E ln(L)/L. The force is largest at the stretch e; beyond it the bar would neck

@@ -173,6 +173,31 @@ TEST(Domains, LongDomainsAreSplit) {
     }
 }
 
+/// Around an axis the outer half of a point has more mass: mass times radius, summed, comes nearer to its integral.
+TEST(Domains, HalvesOfRingsHaveTheMassOfTheirRadius) {
+  for (const Choice& c : choices) {
+    const auto mpm = make(c, Space::axisymmetric, Formulation::updated_lagrangian, true, GridKind::quads, 0.0, 0.9);
+    const double a = corner.x(), b = corner.x() + 0.9 * h;
+    const auto off = [&] {
+      double mass = 0.0, moment = 0.0;
+      for (int p = 0; p < mpm->material.size(); ++p) {
+        mass += mpm->point_masses()[p];
+        moment += mpm->point_masses()[p] * mpm->point_origins()[p].x();
+      }
+      return std::abs(moment / mass - 2.0 / 3.0 * (b * b * b - a * a * a) / (b * b - a * a));
+    };
+    const double before = off();
+    const long points = mpm->points_made();
+    for (int step = 0; step < 4; ++step) {
+      NodalVector du;
+      for (const Vec3& x : mpm->nodes) du.push_back(Vec3((std::pow(2.0, 0.25) - 1.0) * x.x(), 0.0, 0.0));
+      accept(*mpm, du, settings_of(Space::axisymmetric, Kinematics::finite));
+    }
+    EXPECT_EQ(mpm->points_made(), 2 * points);
+    EXPECT_NEAR(off(), 0.25 * before, 0.01 * before) << c.name;  // the error of midpoints halves twice
+  }
+}
+
 /// Rows bring back points that were split, with their domains and the number of the next one.
 TEST(Domains, RowsBringThePointsBack) {
   Random random;
