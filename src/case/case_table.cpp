@@ -49,8 +49,7 @@ Table<Case> model_table() {
   t.choice("quadrature", &Case::quadrature, Words<Quadrature>{{"points", Quadrature::points}, {"gauss", Quadrature::gauss}},
            "forces from the stresses at the material points; or inside of the body from those at Gauss points of the "
            "cells, by a linear fit over the points of each cell (gauss): uneven points then integrate as even ones do "
-           "(method \"mpm\", volumetric = \"standard\", not around an axis, functions without domains; a matrix without "
-           "symmetry)");
+           "(method \"mpm\", volumetric = \"standard\", not around an axis, linear functions; a matrix without symmetry)");
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");

@@ -292,8 +292,9 @@ private:
     if (c_.method == Method::fem) refuse("is for method \"mpm\": finite elements have no other points");
     if (c_.volumetric != Volumetric::standard) refuse("goes with volumetric = \"standard\" only");
     if (c_.space == Space::axisymmetric) refuse("is for plane models and space, not for axisymmetric ones");
-    if (has_domains(c_.shape_functions))
-      refuse("is for points without domains: not with grid.shape_functions = ugimp, cpgimp, b2gimp or cpdi");
+    if (c_.shape_functions != ShapeFunctions::linear)
+      refuse("is for grid.shape_functions = \"linear\": a linear stress leaves modes of B-splines without stiffness, and domains "
+             "integrate evenly by themselves");
   }
 
   /// What has pressures among its unknowns is solved directly, and the equation of volumes is no equation of motion.

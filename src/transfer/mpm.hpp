@@ -20,7 +20,7 @@ struct ShapeChoice {
   int degree = 1;                                   ///< of the grid's functions (GridBasis)
   Domain domain = Domain::none;
   bool follows = false;  ///< the domain deforms with the body, else it keeps its edges of the start
-  bool at_gauss_points = false;  ///< forces inside of the body from stresses at Gauss points, without domains
+  bool at_gauss_points = false;  ///< forces inside of the body from stresses at Gauss points; degree 1, no domains
 };
 
 class MpmDiscretisation final : public Discretisation {

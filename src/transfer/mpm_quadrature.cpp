@@ -10,10 +10,10 @@
 namespace berm {
 namespace {
 
-/// Exact for products of gradients in boxes: one point in simplices, whose functions are linear.
-std::vector<QuadraturePoint> rule_of(CellKind kind, int degree) {
+/// Exact for linear stresses times gradients; these are constant in simplices.
+std::vector<QuadraturePoint> rule_of(CellKind kind) {
   if (is_simplex(kind)) return dimension_of(kind) == 2 ? gauss_triangle(1) : gauss_tetrahedron(1);
-  return dimension_of(kind) == 2 ? gauss_square(degree + 1) : gauss_cube(degree + 1);
+  return dimension_of(kind) == 2 ? gauss_square(2) : gauss_cube(2);
 }
 
 /// 1 and the place in units of the cell size.
@@ -80,7 +80,7 @@ void MpmDiscretisation::fit_forces(int active) {
 
   for (const int q : points) std::fill_n(force_gradient_.data() + std::size_t(q) * d * most_nodes_, n * d, 0.0);
   BasisAt at;
-  for (const QuadraturePoint& g : rule_of(kind, basis_.degree())) {
+  for (const QuadraturePoint& g : rule_of(kind)) {
     LocalShape local;
     local_shape(kind, g.xi, local);
     Vec3 place = Vec3::Zero();

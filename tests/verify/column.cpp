@@ -217,14 +217,14 @@ TEST(SelfWeightColumn, SmoothFunctionsOfPoints) {
   report(large, ugimp, 0.015, 0.01);
 }
 
-/// Stresses at Gauss points: an even quadrature again, in cells that points have crossed.   [formulation (66), (67)]
+/// Stresses at Gauss points: an even quadrature again in cells that points have crossed, and linear functions converge. What
+/// is left is the weight, which is that of the points.   [formulation (66), (67)]
 TEST(SelfWeightColumn, GaussPoints) {
-  for (const Column& c : {slight, large})
-    for (Variant v : {updated, quadratic, cubic}) {
-      v.name += ", Gauss points";
-      v.quadrature = "gauss";
-      study(c, v, grids);
-    }
+  Variant v = updated;
+  v.name += ", Gauss points";
+  v.quadrature = "gauss";
+  converges(slight, v, {4e-4, 4e-4, 3e-4, 1.3, 1.3, 1.3});
+  converges(large, v, {2.5e-4, 1e-4, 1.5e-4, 1.2, 1.3, 1.3});
 }
 
 /// Domains that go with the body fill it at any time: second order returns.
