@@ -369,21 +369,17 @@ displacement = "pull"
 direction = [1.0, 0.0]
 """
 # A bar that becomes half as long again: points with domains are split at a third.
-STRETCHED = """
+STRETCHED = f"""
 [model]
 plane = "strain"
 [grid]
 origin = [-0.5, -0.5]
 cell_size = 0.1
 cells = [30, 12]
-[material.rubber]
-law = "neo_hookean"
-density = 1000.0
-youngs_modulus = 1e6
-poisson_ratio = 0.0
+{ROCK}
 [body.bar]
-material = "rubber"
-shape.box = { min = [0.0, 0.0], max = [1.0, 0.5] }
+material = "rock"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, 0.5] }}
 [boundary.left]
 body = "bar"
 where.box.max = [1e-6, 10.0]
@@ -391,6 +387,10 @@ ux = 0.0
 [boundary.bottom]
 body = "bar"
 where.box.max = [10.0, 1e-6]
+uy = 0.0
+[boundary.top]
+body = "bar"
+where.box.min = [-10.0, 0.499999]
 uy = 0.0
 [boundary.right]
 body = "bar"
