@@ -13,7 +13,7 @@ import re
 import subprocess
 import tempfile
 
-FUNCTIONS = ["linear", "quadratic_bspline", "cubic_bspline", "ugimp", "cpgimp", "b2gimp", "cpdi"]
+FUNCTIONS = ["linear", "linear, Gauss points", "quadratic_bspline", "cubic_bspline", "ugimp", "cpgimp", "b2gimp", "cpdi"]
 PHASES = ["connectivity", "laws", "assembly", "linear solver"]
 CASE = """
 [model]
@@ -68,8 +68,10 @@ def main():
         for name, parts in (("plane", PLANE), ("solid", SOLID)):
             first = None
             for functions in FUNCTIONS:
-                grid = parts["grid"] + f'\nshape_functions = "{functions}"'
-                text = CASE.format(**{**parts, "grid": grid})
+                word, *gauss = functions.split(", ")
+                grid = parts["grid"] + f'\nshape_functions = "{word}"'
+                model = parts["model"] + ('\nquadrature = "gauss"' if gauss else "")
+                text = CASE.format(**{**parts, "grid": grid, "model": model})
                 runs = [measure(args.berm, text, pathlib.Path(folder)) for _ in range(args.repeat)]
                 best, unknowns, iterations = min(runs, key=lambda run: run[0][-1])
                 first = first or best[-1]

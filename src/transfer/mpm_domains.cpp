@@ -30,6 +30,14 @@ int kernel_size(int n, int dimension) {
   throw std::logic_error("a patch has too many nodes");
 }
 
+/// Diagonal of the square root of a symmetric positive matrix; in the plane, where the third row is that of the identity,
+/// from Cayley and Hamilton's equation.
+Vec3 root_diagonal(const Mat3& A, int dimension) {
+  if (dimension == 3) return Eigen::SelfAdjointEigenSolver<Mat3>(A).operatorSqrt().diagonal();
+  const double root = std::sqrt(A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0)), size = std::sqrt(A(0, 0) + A(1, 1) + 2.0 * root);
+  return {(A(0, 0) + root) / size, (A(1, 1) + root) / size, 1.0};
+}
+
 template <class List>
 bool has(const List& list, int value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -47,8 +55,7 @@ Vec3 MpmDiscretisation::box_edges(int p) const {
   E.topLeftCorner(d, d) = (basis_.to_own_axes() * edges(p)).topLeftCorner(d, d);
   Vec3 box = E.diagonal();
   if (shapes_.follows) {
-    const Eigen::SelfAdjointEigenSolver<Mat3> square(E * E.transpose());
-    box = square.operatorSqrt().diagonal();
+    box = root_diagonal(E * E.transpose(), d);
     box.head(d) *= std::pow(std::abs(E.determinant()) / box.head(d).prod(), 1.0 / d);
   }
   return box;
@@ -173,8 +180,14 @@ int MpmDiscretisation::edge_to_split(int p) const {
   if (shapes_.domain == ShapeChoice::Domain::parallelepiped)
     return E.colwise().norm().head(d).maxCoeff(&longest) > longest_edge * cell_size_ * rounding ? longest : -1;
   int along = 0;
-  const Vec3 box = box_edges(p), size = grid_.structure->cell_size;
-  if (box.head(d).cwiseQuotient(size.head(d)).maxCoeff(&along) <= longest_edge * rounding) return -1;
+  const Vec3 size = grid_.structure->cell_size;
+  const auto is_short = [&](const Vec3& edge) {
+    return edge.head(d).cwiseQuotient(size.head(d)).maxCoeff(&along) <= longest_edge * rounding;
+  };
+  // A diagonal entry of a root is at most the root of that of the square, and the factor of (62) at most 1 (Hadamard).
+  if (is_short((basis_.to_own_axes() * E).rowwise().norm())) return -1;
+  const Vec3 box = box_edges(p);
+  if (is_short(box)) return -1;
   (basis_.to_own_axes() * E).row(along).head(d).cwiseAbs().maxCoeff(&longest);
   return longest;
 }

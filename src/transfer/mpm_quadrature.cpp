@@ -17,14 +17,12 @@ std::vector<QuadraturePoint> rule_of(CellKind kind) {
 }
 
 /// 1 and the place in units of the cell size.
-Eigen::Vector4d linear_terms(const Vec3& r, int dimension) {
-  return {1.0, r.x(), r.y(), dimension == 3 ? r.z() : 0.0};
-}
+Eigen::Vector4d linear_terms(const Vec3& r, int dimension) { return {1.0, r.x(), r.y(), dimension == 3 ? r.z() : 0.0}; }
 
 }  // namespace
 
-/// Whether the body fills the cell, as far as one can tell from the cells about it: none of them is empty, except where the
-/// grid ends.
+/// Whether the body fills the cell, as far as one can tell from the cells about it: none of them is empty, except where
+/// the grid ends.
 bool MpmDiscretisation::is_inside(int active) const {
   constexpr double full = 0.75, present = 0.25;
   const int cell = active_cells_[active];
@@ -38,20 +36,23 @@ bool MpmDiscretisation::is_inside(int active) const {
   return true;
 }
 
-/// Gradients with which the forces are formed, in place of those of the points, for the cells inside of the body: f_I = sum_p
-/// V_p S_p g_pI with V_p g_pI = sum_g w_g phi_p(x_g) grad N_I(x_g).   [formulation (66), (67)]
+/// Gradients with which the forces are formed, in place of those of the points, for the cells inside of the body: f_I =
+/// sum_p V_p S_p g_pI with V_p g_pI = sum_g w_g phi_p(x_g) grad N_I(x_g).   [formulation (66), (67)]
 void MpmDiscretisation::look_at_gauss_points() {
   const int d = dimension();
   std::vector<int> slice_of(x_.size());
   for (std::size_t k = 0; k < material.slices.size(); ++k)
-    std::fill(slice_of.begin() + material.slices[k].begin, slice_of.begin() + material.slices[k].end, static_cast<int>(k));
+    std::fill(slice_of.begin() + material.slices[k].begin, slice_of.begin() + material.slices[k].end,
+              static_cast<int>(k));
   force_gradient_.resize(x_.size() * std::size_t(d) * most_nodes_);
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
     const int active = static_cast<int>(a);
     const int n = static_cast<int>(patch_nodes_[active].size());
     const std::span<const int> points = points_in(active);
-    for (const int p : points) std::copy_n(shape(p) + n, n * d, force_gradient_.data() + std::size_t(p) * d * most_nodes_);
-    const bool one_body = std::all_of(points.begin(), points.end(), [&](int p) { return slice_of[p] == slice_of[points[0]]; });
+    for (const int p : points)
+      std::copy_n(shape(p) + n, n * d, force_gradient_.data() + std::size_t(p) * d * most_nodes_);
+    const bool one_body =
+        std::all_of(points.begin(), points.end(), [&](int p) { return slice_of[p] == slice_of[points[0]]; });
     if (!points.empty() && one_body && is_inside(active)) fit_forces(active);
   }
 }

@@ -46,8 +46,7 @@ const Kind kinds[] = {{Space::plane_strain, GridKind::quads},
 /// Nodes off the edge of the grid.
 bool is_inner(const Vec3& x, int dimension) {
   bool inner = true;
-  for (int i = 0; i < dimension; ++i)
-    inner &= x[i] > corner[i] + 1e-9 && x[i] < corner[i] + cells * h - 1e-9;
+  for (int i = 0; i < dimension; ++i) inner &= x[i] > corner[i] + 1e-9 && x[i] < corner[i] + cells * h - 1e-9;
   return inner;
 }
 
@@ -102,9 +101,8 @@ TEST(GaussQuadrature, TangentIsTheDerivativeOfTheForce) {
         std::mt19937 generator(3);
         for (int n = 0; n < 8; ++n) {
           const int c = static_cast<int>(generator() % K.cols());
-          const Eigen::VectorXd column = difference(du, c, mpm->dimension(), 1e-6 * h, [&](const NodalVector& u) {
-            return force(*mpm, u, settings);
-          });
+          const Eigen::VectorXd column = difference(du, c, mpm->dimension(), 1e-6 * h,
+                                                    [&](const NodalVector& u) { return force(*mpm, u, settings); });
           EXPECT_LT((K.col(c) - column).cwiseAbs().maxCoeff(), 1e-6 * K.cwiseAbs().maxCoeff());
         }
       }
