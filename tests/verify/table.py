@@ -73,7 +73,9 @@ matrix of the first step (Eigen's dense eigenvalues), spread of the stiffness, l
     "Bar with cell crossing, manufactured (V8, A = 0.05)": """u = A sin(pi X) sin(c pi t) between fixed ends over one period, Hencky's law: largest root mean square of the error of the displacement over A, by shape function, lumped and
 consistent mass (tests/verify/manufactured.cpp).""",
     "Square stretched along its edges, manufactured (V9, A = 0.05)": """The same in both directions with opposite signs between planes of symmetry (Wallstedt and Guilkey 2008; tests/verify/manufactured.cpp).""",
-    "Ring that is sheared and turned, manufactured (V10, A = 0.1)": """The generalised vortex of Kamojjala et al. (2015) for Hencky's law, its rims held where they cut the cells (tests/verify/manufactured.cpp).""",
+    "Ring that is sheared and turned, manufactured (V10, A = 0.1)": """The generalised vortex of Kamojjala et al. (2015) for a neo-Hookean solid, its rims held where they cut the cells (tests/verify/manufactured.cpp).""",
+    "Ring that is sheared and turned, manufactured (V10, A = 0.5)": """The same turned five times as far, with shears up to 3.5.""",
+    "Ring that is sheared and turned, manufactured (V10, A = 1)": """The same as in the literature, with shears up to 7.""",
     "Softening bar": """One weak cell, Rankine, everything else elastic, 1D, small strain (tests/verify/softening_bar.cpp): delta(s) = (L - l) s/E + l ft/E (1 - ln(s/ft)/A). A bar of 0.6 m
 snaps back and is driven by the opening of its crack. The damage cap of 1 - 1e-5 leaves 0.9 to 2.6 % of Gf undissipated (theory/damage.md, equation 18):
 "should be" contains that. IMPL-EX overshoots the peak; its error tolerance says by how much.""",
