@@ -439,7 +439,8 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
     if (fixed[k]) x[k] = prescribed_[k];
   bool defined = residual(x, r);
   if (!defined) {  // what the last step or the velocities promise may turn a point inside out: begin without them
-    for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k) x[k] = fixed[k] ? prescribed_[k] : 0.0;
+    for (int k = 0; k < dimension_ * world_.discretisation->halo.n_owned; ++k)
+      if (!fixed[k]) x[k] = 0.0;
     defined = residual(x, r);
   }
   if (!defined) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "base/error.hpp"
@@ -98,7 +99,7 @@ ShapeChoice shape_choice(const Case& c) {
   const bool follows = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
   switch (c.shape_functions) {
     case ShapeFunctions::linear:
-      return {};
+      return {.at_gauss_points = c.quadrature == Quadrature::gauss};
     case ShapeFunctions::quadratic_bspline:
       return {.degree = 2};
     case ShapeFunctions::cubic_bspline:
@@ -125,12 +126,15 @@ void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
-  ShapeChoice shapes = shape_choice(c);
-  shapes.at_gauss_points = c.quadrature == Quadrature::gauss;
   auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
-                                                 c.volumetric, shapes);
+                                                 c.volumetric, shape_choice(c));
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
+  // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
+  std::optional<Grid> boxes;
+  if (const auto* structure = mpm->grid().structure.get();
+      structure && has_domains(c.shape_functions) && is_simplex(mpm->grid().mesh.kinds[0]))
+    boxes = boxes_of(*structure);
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
   std::vector<SurfacePoint> surface;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
@@ -158,11 +162,7 @@ void build_mpm(World& w) {
       const Region region(*body.shape, h);
       PointSeeding seeding = body.points;
       if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
-      // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
-      const StructuredGrid* structure = mpm->grid().structure.get();
-      points = has_domains(c.shape_functions) && structure
-                   ? seed_from_grid(region, boxes_of(*structure), seeding, body.name)
-                   : seed_from_grid(region, mpm->grid(), seeding, body.name);
+      points = seed_from_grid(region, boxes ? *boxes : mpm->grid(), seeding, body.name);
       add_surface_of_shape(c, index, region, spacing, surface);
     }
     mpm->add_body(index, body.name, material, points, c.thickness);

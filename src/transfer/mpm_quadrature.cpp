@@ -27,7 +27,7 @@ bool MpmDiscretisation::is_inside(int active) const {
   constexpr double full = 0.75, present = 0.25;
   const int cell = active_cells_[active];
   if (cells_[active].fill < full) return false;
-  for (int f = 0; f < static_cast<int>(faces_of(grid_.mesh.kinds[grid_cell(cell)]).size()); ++f) {
+  for (int f = 0; f < max_faces; ++f) {
     const int other = neighbour(cell, f);
     if (other < 0) continue;
     const CellState* state = cell_state(other);

@@ -93,24 +93,18 @@ void look_at_recovered(const Discretisation& d, bool axisymmetric, const Tube& t
 Errors solve(const std::string& text, bool axisymmetric, const Tube& tube) {
   Model model(text);
   model.advance(1.0);
-  const Discretisation& d = *model.world->discretisation;
-  const MaterialState& m = model.material();
-  const std::vector<Vec3> X = d.point_origins(), u = d.point_displacements();
+  const FieldErrors fields = field_errors(
+      model,
+      [&](const Vec3& X) {
+        const double r = std::hypot(X.x(), X.z());
+        return Vec3(lame(r, tube.poisson).u / r * Vec3(X.x(), 0.0, X.z()));
+      },
+      [&](const Vec3& X) { return exact_stress(X, axisymmetric, tube); });
   Errors e;
-  double size_u = 0.0, size_s = 0.0;
-  for (std::size_t p = 0; p < X.size(); ++p) {
-    const double r = std::hypot(X[p].x(), X[p].z()), c = X[p].x() / r, s = X[p].z() / r;
-    const Exact x = lame(r, tube.poisson);
-    const Voigt stress = exact_stress(X[p], axisymmetric, tube);
-    e.displacement += m.volume[p] * (u[p] - x.u * Vec3(c, 0.0, s)).squaredNorm();
-    e.stress += m.volume[p] * (m.stress[p] - stress).squaredNorm();
-    size_u += m.volume[p] * x.u * x.u;
-    size_s += m.volume[p] * stress.squaredNorm();
-  }
-  e.displacement = std::sqrt(e.displacement / size_u);
-  e.stress = std::sqrt(e.stress / size_s);
+  e.displacement = fields.displacement;
+  e.stress = fields.stress;
   e.unknowns = model.step.unknowns();
-  look_at_recovered(d, axisymmetric, tube, e);
+  look_at_recovered(*model.world->discretisation, axisymmetric, tube, e);
   return e;
 }
 

@@ -203,7 +203,7 @@ struct Demand {
 };
 
 template <class Make>
-void study(const char* group, const Make& make, const std::string& functions, const char* mass, int projection,
+void study(const std::string& group, const Make& make, const std::string& functions, const char* mass, int projection,
            const std::vector<int>& cells, const Demand& demand, const std::vector<std::string>& more = {}) {
   std::vector<double> e;
   std::string list;
@@ -218,12 +218,16 @@ void study(const char* group, const Make& make, const std::string& functions, co
                                        mass == lumped ? "lumped" : "consistent",
                                        projection == 1 ? "" : fmt::format(", projection of order {}", projection));
   fmt::print("  {}, {}: {}\n", group, name, list);
-  if (std::isfinite(demand.most)) EXPECT_LT(e.back(), demand.most) << name;  // else it is reported, finite or not
+  if (std::isfinite(demand.most)) {  // else it is reported, finite or not
+    EXPECT_LT(e.back(), demand.most) << name;
+  }
   record({group, fmt::format("{}: error, {} cells ({} with {})", name, cells.back(), list, fmt::join(cells, ", ")),
           e.back(), "0", std::isfinite(demand.most) ? fmt::format("{:.2g}", demand.most) : "reported",
           "manufactured solution"});
   const double reached = std::log2(e[e.size() - 2] / e.back());
-  if (demand.order > 0.0) EXPECT_GT(reached, demand.order) << name;
+  if (demand.order > 0.0) {
+    EXPECT_GT(reached, demand.order) << name;
+  }
   record({group, name + ": order", reached, "2", demand.order > 0.0 ? fmt::format("> {}", demand.order) : "reported",
           "last two grids"});
 }
@@ -274,15 +278,15 @@ TEST(Manufactured, Vortex) {
   const std::string slight = name + "0.1)", half = name + "0.5)", strong = name + "1)";
   const auto of = [](double A, int steps) { return [=](int n) { return vortex(A, n, steps); }; };
   const std::vector<int> cells = whole_table() ? std::vector{4, 8, 16, 32} : std::vector{8, 16};
-  study(slight.c_str(), of(0.1, 50), "b2gimp", consistent, 20, cells, {2e-3, 1.7});
-  study(slight.c_str(), of(0.1, 50), "cpdi", consistent, 20, cells, {6e-3, 1.8});
-  study(half.c_str(), of(0.5, 50), "cpdi", consistent, 20, {4, 8}, {0.02, 1.5});
+  study(slight, of(0.1, 50), "b2gimp", consistent, 20, cells, {2e-3, 1.7});
+  study(slight, of(0.1, 50), "cpdi", consistent, 20, cells, {6e-3, 1.8});
+  study(half, of(0.5, 50), "cpdi", consistent, 20, {4, 8}, {0.02, 1.5});
   if (!whole_table()) return;
   for (const char* functions : {"linear", "quadratic_bspline", "cubic_bspline", "ugimp", "cpgimp"})
-    study(slight.c_str(), of(0.1, 50), functions, consistent, functions == std::string("linear") ? 1 : 20, {4, 8, 16},
+    study(slight, of(0.1, 50), functions, consistent, functions == std::string("linear") ? 1 : 20, {4, 8, 16},
           {std::numeric_limits<double>::infinity()});
-  study(half.c_str(), of(0.5, 50), "b2gimp", consistent, 20, {4, 8}, {std::numeric_limits<double>::infinity()});
-  study(strong.c_str(), of(1.0, 100), "cpdi", consistent, 20, {4, 8, 16}, {0.01, 1.5});
+  study(half, of(0.5, 50), "b2gimp", consistent, 20, {4, 8}, {std::numeric_limits<double>::infinity()});
+  study(strong, of(1.0, 100), "cpdi", consistent, 20, {4, 8, 16}, {0.01, 1.5});
 }
 
 }  // namespace
