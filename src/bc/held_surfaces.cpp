@@ -15,12 +15,9 @@ namespace {
 /// neighbours.
 constexpr double held_penalty = 500.0;
 
-/// Whether only the displacement along the normal is prescribed.
-bool slides(const NodeBoundary& n) { return !n.u[0] && !n.u[1] && !n.u[2]; }
-
 /// Of two boundaries that act in the same stage.
 bool disagree(const NodeBoundary& a, const NodeBoundary& b) {
-  if (slides(a) && slides(b)) return a.normal == b.normal && a.un != b.un;
+  if (a.slides() && b.slides()) return a.normal == b.normal && a.un != b.un;
   for (int i = 0; i < 3; ++i)
     if (a.u[i] && b.u[i] && *a.u[i] != *b.u[i]) return true;
   return false;
@@ -55,7 +52,7 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       point.boundary = static_cast<int>(b);
       point.stiffness = held_penalty * stiffness_of(c, body) / cell_size_ * share * s.area;
       point.normal = spec.normal.value_or(s.normal);
-      point.slides = slides(spec);
+      point.slides = spec.slides();
       held_.push_back(point);
     }
   }

@@ -88,6 +88,8 @@ struct NodeBoundary {
   TimeFunction un;                               ///< displacement along it [m]
   Stages stages;
 
+  /// Only along its normal is the displacement prescribed.
+  bool slides() const { return !u[0] && !u[1] && !u[2]; }
   bool depends_on_place() const {
     for (const auto& f : u)
       if (f && f->depends_on_place()) return true;
@@ -207,7 +209,11 @@ struct Solver {
   double absolute_tolerance = 1e-10;  ///< of E h t, for unloaded bodies
   int max_iterations = 25;
   bool line_search = true;
-  double ghost_penalty = 1e-3;  ///< in units of E; 0 switches it off
+  /// In units of E; 0 switches it off, absent: 1e-3, for domains 0.05.
+  std::optional<double> ghost_penalty;
+  double ghost_penalty_for(ShapeFunctions functions) const {
+    return ghost_penalty.value_or(has_domains(functions) ? 0.05 : 1e-3);
+  }
   /// How the linear systems are solved; automatic: direct in the plane, iterative for large systems in space.
   enum class Linear { automatic, direct, iterative } linear = Linear::automatic;
   double linear_tolerance = 1e-8;  ///< iterative: true residual over right-hand side

@@ -168,7 +168,7 @@ private:
     refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
               names_of(c_.output.gauges));
     for (const NodeBoundary& b : c_.boundaries)
-      if (b.name == nominal.displacement && !b.body.empty() && !b.normal && !b.u[0] && !b.u[1] && !b.u[2])
+      if (b.name == nominal.displacement && !b.body.empty() && !b.normal && b.slides())
         scope.explain("displacement", fmt::format("boundary \"{}\" moves along the normals of its surface, which differ from "
                                                   "place to place; give it a normal, or take a gauge",
                                                   b.name));

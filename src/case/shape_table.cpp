@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "case/tables.hpp"
+#include "mesh/closed_spline.hpp"
 #include "mesh/surface.hpp"
 
 namespace berm {
@@ -20,7 +21,7 @@ struct ShapeInput {
   bool is_part = false;  ///< of a union or difference
   std::optional<BoxInput> box;
   std::optional<Disc> disc;
-  std::vector<Vec2> polygon;
+  std::vector<Vec2> polygon, spline;
   std::optional<Cylinder> cylinder;
   std::optional<Sphere> sphere;
   std::optional<Extrusion> extrusion;
@@ -81,18 +82,29 @@ void read_polygon(const Scope& scope, const Node::Entry& entry, std::vector<Vec2
   const auto points = read_points(scope, entry);
   if (!points) return;
   if (points->size() < 3) {
-    scope.error("polygon", fmt::format("needs at least 3 vertices, has {}", points->size()));
+    scope.error(entry.key, fmt::format("needs at least 3 vertices, has {}", points->size()));
   } else if (polygon_area(*points) == 0.0) {
-    scope.error("polygon", "has no area");
+    scope.error(entry.key, "has no area");
   }
   vertices = *points;
 }
 
-KeyInfo polygon_info() {
-  KeyInfo info = plain_info("polygon", "array of [x, y] [m]", "array",
-                            "vertices of a simple polygon, either way round, at least 3");
+void read_spline(const Scope& scope, const Node::Entry& entry, std::vector<Vec2>& points) {
+  read_polygon(scope, entry, points);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i] == points[(i + 1) % points.size()])
+      return scope.error(entry.key, i + 1 < points.size() ? fmt::format("names point {} twice in a row", i + 1)
+                                                          : "closes by itself: leave out the last point");
+}
+
+KeyInfo points_info(const std::string& key, const std::string& doc) {
+  KeyInfo info = plain_info(key, "array of [x, y] [m]", "array", doc);
   info.json.set("items", pair_info("", Unit::length, {}, "").json);
   return info;
+}
+
+KeyInfo polygon_info() {
+  return points_info("polygon", "vertices of a simple polygon, either way round, at least 3");
 }
 
 Table<Extrusion> extrusion_table() {
@@ -141,7 +153,7 @@ KeyInfo parts_info(const std::string& key, const std::string& doc) {
 }
 
 void check_forms(const Scope& scope) {
-  if (scope.dimension() == 2) return scope.exactly_one({"box", "disc", "polygon", "union", "difference"});
+  if (scope.dimension() == 2) return scope.exactly_one({"box", "disc", "polygon", "spline", "union", "difference"});
   scope.exactly_one({"box", "cylinder", "sphere", "extrusion", "surface", "union", "difference"});
 }
 
@@ -153,6 +165,9 @@ const Table<ShapeInput>& shape_table() {
     t.only_in_plane("; in space take \"cylinder\" or \"sphere\"");
     t.custom(polygon_info(), [](Scope& s, Node::Entry& e, ShapeInput& in) { read_polygon(s, e, in.polygon); });
     t.only_in_plane("; in space take \"extrusion\"");
+    t.custom(points_info("spline", "at least 3 points on a smooth closed outline: a cubic B-spline goes through them"),
+             [](Scope& s, Node::Entry& e, ShapeInput& in) { read_spline(s, e, in.spline); });
+    t.only_in_plane("; in space take a mesh with \"file\"");
     t.table("cylinder", &ShapeInput::cylinder, cylinder_table());
     t.only_in_space("; in the plane take \"disc\" or \"box\"");
     t.table("sphere", &ShapeInput::sphere, sphere_table()).only_in_space("; in the plane take \"disc\"");
@@ -183,6 +198,7 @@ PlaneShape plane_shape(const ShapeInput& in) {
   if (in.box) return {Box{in_plane(in.box->min), in_plane(in.box->max)}};
   if (in.disc) return {*in.disc};
   if (!in.polygon.empty()) return {Polygon{in.polygon}};
+  if (!in.spline.empty()) return {Polygon{closed_spline(in.spline)}};
   if (!in.join.empty()) return {Combination{Combination::Kind::join, parts_as<PlaneShape>(in.join)}};
   return {Combination{Combination::Kind::difference, parts_as<PlaneShape>(in.difference)}};
 }

@@ -126,7 +126,7 @@ void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
-  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty, c.formulation, w.comm,
+  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty_for(c.shape_functions), c.formulation, w.comm,
                                                  c.volumetric, shape_choice(c));
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));

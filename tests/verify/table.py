@@ -68,7 +68,8 @@ matrix of the first step (Eigen's dense eigenvalues), spread of the stiffness, l
     "Held surfaces that cut cells": """`[boundary.NAME]` with a `body`: displacements prescribed on a surface that does not fit the grid, by a penalty (tests/verify/held_surface.cpp).""",
     "Stressed block that travels through the grid (V2)": """A block under uniform stress, its points out of step with the cells, is carried rigidly by 3.7 and 2.3 cells in 100 steps: nodal forces inside it, which should be zero
 (tests/verify/crossing.cpp).""",
-    "Bar drawn to three times its length (V6)": """1 m x 0.2 m, nu = 0, in 200 steps: stretch up to which every point's stress is within 1 % of E ln(L)/L. The force is largest at the stretch e; beyond it the bar would neck
+    "Bar drawn to three times its length (V6)": """1 m x 0.2 m, nu = 0, in 200 steps: stretch up to which every point's stress is within 1 % of the exact one, E (L - 1/L) / 2
+of the neo-Hookean bar, whose force rises all the way, and E ln(L) / L of Hencky's, whose force is largest at the stretch e, beyond which the bar would neck
 (tests/verify/crossing.cpp).""",
     "Bar with cell crossing, manufactured (V8, A = 0.05)": """u = A sin(pi X) sin(c pi t) between fixed ends over one period, Hencky's law: largest root mean square of the error of the displacement over A, by shape function, lumped and
 consistent mass (tests/verify/manufactured.cpp).""",
