@@ -209,11 +209,7 @@ struct Solver {
   double absolute_tolerance = 1e-10;  ///< of E h t, for unloaded bodies
   int max_iterations = 25;
   bool line_search = true;
-  /// In units of E; 0 switches it off, absent: 1e-3, for domains 0.05.
-  std::optional<double> ghost_penalty;
-  double ghost_penalty_for(ShapeFunctions functions) const {
-    return ghost_penalty.value_or(has_domains(functions) ? 0.05 : 1e-3);
-  }
+  std::optional<double> ghost_penalty;  ///< in units of E; 0 switches it off, absent: as the functions need it
   /// How the linear systems are solved; automatic: direct in the plane, iterative for large systems in space.
   enum class Linear { automatic, direct, iterative } linear = Linear::automatic;
   double linear_tolerance = 1e-8;  ///< iterative: true residual over right-hand side

@@ -115,6 +115,9 @@ ShapeChoice shape_choice(const Case& c) {
   }
 }
 
+/// Domains that follow the body tear off at its ends with the smaller one.   [formulation, section 6]
+double default_ghost_penalty(const ShapeChoice& functions) { return functions.follows ? 0.03 : 1e-3; }
+
 /// The same for grids from files as check_mixed of the case for those of cells.
 void check_mixed_grid(const Case& c, const Mesh& grid) {
   if (c.volumetric == Volumetric::mixed && c.moves_with_finite_strain_updated() &&
@@ -126,8 +129,10 @@ void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
-  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, c.solver.ghost_penalty_for(c.shape_functions), c.formulation, w.comm,
-                                                 c.volumetric, shape_choice(c));
+  const ShapeChoice functions = shape_choice(c);
+  const double ghost_penalty = c.solver.ghost_penalty.value_or(default_ghost_penalty(functions));
+  auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, ghost_penalty, c.formulation, w.comm, c.volumetric,
+                                                 functions);
   const std::vector<int> field = fields_of_bodies(c);
   mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
