@@ -101,16 +101,19 @@ TEST(CutCells, UniaxialStiffnessIsExact) {
   record({"Cut cells", "the same: most linear solves in a step", double(most), "few", "<= 6", "Newton's method"});
 }
 
-/// Points of cut cells integrate functions of degree p well enough if there are p + 1 a direction; domains that tile the
-/// body do with two.
+/// Points of cut cells integrate functions of degree p well enough if there are p + 1 a direction; domains that tile
+/// the body do with two.
 TEST(CutCells, StressIsUniform) {
   struct Demand {
     const char* functions;
     int per_direction;
     double most;
   };
-  for (const Demand& want : {Demand{"linear", 2, 0.04}, {"quadratic_bspline", 3, 0.01}, {"cubic_bspline", 4, 0.01},
-                             {"b2gimp", 2, 0.002}, {"cpdi", 2, 0.002}}) {
+  for (const Demand& want : {Demand{"linear", 2, 0.04},
+                             {"quadratic_bspline", 3, 0.01},
+                             {"cubic_bspline", 4, 0.01},
+                             {"b2gimp", 2, 0.002},
+                             {"cpdi", 2, 0.002}}) {
     double worst = 0.0;
     for (const double offset : offsets)
       worst = std::max(worst, pulled(offset, {fmt::format("grid.shape_functions={}", want.functions),
@@ -118,7 +121,8 @@ TEST(CutCells, StressIsUniform) {
                                   .noise);
     EXPECT_LT(worst, want.most) << want.functions;
     record({"Cut cells",
-            fmt::format("uniaxial pull, {}, {} points a direction: largest stress noise", want.functions, want.per_direction),
+            fmt::format("uniaxial pull, {}, {} points a direction: largest stress noise", want.functions,
+                        want.per_direction),
             worst, "0", fmt::format("{}", want.most), "uniform stress"});
   }
 }
@@ -144,8 +148,7 @@ rigid = "base"
 count = {}
 adaptive = false
 )",
-                                                               16 * h, 8 * h, 16 * h + 0.02, -strain * 16 * h, 8 * h,
-                                                               steps);
+                                                          16 * h, 8 * h, 16 * h + 0.02, -strain * 16 * h, 8 * h, steps);
 }
 
 Reached between_platens(double offset, const std::string& law, double strain, int steps) {
@@ -251,8 +254,8 @@ TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
         most = std::max(most, r.iterations);
       }
       const std::string name = fmt::format("{}, {}: ", functions, stabilised ? "stabilised" : "not stabilised");
-      fmt::print("  {} spread {:.2e}, {} to {} solves, {} failed, condition {:.2e}\n", name, high / low - 1.0, fewest, most,
-                 failed, worst);
+      fmt::print("  {} spread {:.2e}, {} to {} solves, {} failed, condition {:.2e}\n", name, high / low - 1.0, fewest,
+                 most, failed, worst);
       record({group, name + "largest condition number", worst, stabilised ? "bounded" : "",
               stabilised ? "< 1e8" : "reported", "the smallest cut is 1e-9 h"});
       record({group, fmt::format("{}steps without solution, of {}", name, cuts.size()), double(failed),
@@ -264,8 +267,8 @@ TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
       EXPECT_LE(most, std::max(fewest + 1, int(1.3 * fewest))) << functions;
       record({group, name + "spread of the stiffness", high / low - 1.0, "0", "0.5 %",
               "the stiffness is a property of the specimen"});
-      record({group, name + "most linear solves in a step", double(most), fmt::format("{}", fewest), "fewest, and 1 or 30 %",
-              "Newton's method"});
+      record({group, name + "most linear solves in a step", double(most), fmt::format("{}", fewest),
+              "fewest, and 1 or 30 %", "Newton's method"});
     }
 }
 
