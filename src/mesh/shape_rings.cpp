@@ -68,7 +68,7 @@ public:
     std::string reason;
     if (!bg::is_valid(shape, reason))
       throw InputError(
-          "shape: the polygon is flat, or touches or crosses itself (its sides may only meet at its vertices, in "
+          "shape: the polygon or spline is flat, or touches or crosses itself (its sides may only meet at its vertices, in "
           "order)");
     return shape;
   }
