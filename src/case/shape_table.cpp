@@ -91,8 +91,11 @@ void read_polygon(const Scope& scope, const Node::Entry& entry, std::vector<Vec2
 
 void read_spline(const Scope& scope, const Node::Entry& entry, std::vector<Vec2>& points) {
   read_polygon(scope, entry, points);
+  if (points.size() < 3) return;
+  double length = 0.0;
+  for (std::size_t i = 1; i < points.size(); ++i) length += (points[i] - points[i - 1]).stableNorm();
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (points[i] == points[(i + 1) % points.size()])
+    if ((points[(i + 1) % points.size()] - points[i]).stableNorm() <= 1e-9 * length)
       return scope.error(entry.key, i + 1 < points.size() ? fmt::format("names point {} twice in a row", i + 1)
                                                           : "closes by itself: leave out the last point");
 }
@@ -165,7 +168,8 @@ const Table<ShapeInput>& shape_table() {
     t.only_in_plane("; in space take \"cylinder\" or \"sphere\"");
     t.custom(polygon_info(), [](Scope& s, Node::Entry& e, ShapeInput& in) { read_polygon(s, e, in.polygon); });
     t.only_in_plane("; in space take \"extrusion\"");
-    t.custom(points_info("spline", "at least 3 points on a smooth closed outline: a cubic B-spline goes through them"),
+    t.custom(points_info("spline", "at least 3 points on a smooth closed outline: a cubic B-spline goes through them, cut into 32 chords from one to "
+                         "the next (a mesh has at least one edge a chord)"),
              [](Scope& s, Node::Entry& e, ShapeInput& in) { read_spline(s, e, in.spline); });
     t.only_in_plane("; in space take a mesh with \"file\"");
     t.table("cylinder", &ShapeInput::cylinder, cylinder_table());

@@ -3,6 +3,8 @@
 #include <Eigen/Sparse>
 #include <Eigen/SparseLU>
 
+#include "base/error.hpp"
+
 namespace berm {
 namespace {
 
@@ -19,8 +21,9 @@ Eigen::MatrixX2d second_derivatives(const std::vector<Vec2>& x, const std::vecto
     b.row(i) = (x[after] - x[i]) / d[i] - (x[i] - x[before]) / d[before];
   }
   A.makeCompressed();
-  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(A);
-  return lu.solve(b);  // diagonally dominant
+  Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(A);  // diagonally dominant
+  if (lu.info() != Eigen::Success) throw InputError("shape: the points of the spline are too far apart");
+  return lu.solve(b);
 }
 
 }  // namespace
