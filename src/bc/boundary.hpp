@@ -47,6 +47,8 @@ public:
   /// Prescribed increments of the step from time t0 to t1 (one an unknown, 0 where free).
   std::vector<double> prescribed_increment(double t0, double t1) const;
 
+  /// While a step is guessed, surfaces that press on a rigid body at t_n go along with it, whichever way it moves.
+  void keep_closed(bool keep) { keeps_closed_ = keep; }
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, double t0, double t1, NodalVector& f,
                   BlockAssembler* matrix) const;
@@ -79,6 +81,8 @@ public:
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.
   void add_gauge_functional(int gauge, NodalVector& functional) const;
 
+  /// What the user should know of the supports as they were read; on every process.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.
   std::string idle_boundary() const;
 
@@ -182,6 +186,8 @@ private:
   std::map<int, Region> rigid_regions_;
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
+  bool keeps_closed_ = false;
+  std::vector<std::string> warnings_;
 
   std::string stage_;
   bool acts(const Stages& stages) const;

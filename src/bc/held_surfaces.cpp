@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
+#include "bc/parted_supports.hpp"
 
 namespace berm {
 namespace {
@@ -56,6 +57,11 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       held_.push_back(point);
     }
   }
+  const int taken = part_supports(held_, 0.5 * cell_size_, [&](const HeldPoint& p, const HeldPoint& q) {
+    const NodeBoundary &a = c.boundaries[p.boundary], &b = c.boundaries[q.boundary];
+    return a.body == b.body && share_a_stage(a.stages, b.stages) && disagree(a, b);
+  });
+  if (taken > 0) warnings_.push_back(fmt::format(parted, "boundaries"));
 }
 
 /// Prescribed part of a displacement.

@@ -7,8 +7,16 @@
 #include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
+#include "bc/parted_supports.hpp"
 
 namespace berm {
+namespace {
+
+const std::array<TimeFunction, 3>& motion_of_rigid(const Case& c, const Contact& contact) {
+  return c.bodies[body_index(c, contact.rigid)].displacement.component;
+}
+
+}  // namespace
 
 void BoundaryConditions::add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d) {
   const Contact& spec = c.contacts[contact];
@@ -58,6 +66,12 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
           fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
                       spec.body, spec.rigid));
   }
+  const int taken = part_supports(contacts_, 0.5 * cell_size_, [&](const ContactPoint& p, const ContactPoint& q) {
+    const Contact &a = c.contacts[p.contact], &b = c.contacts[q.contact];
+    return a.kind == Contact::Kind::tie && b.kind == Contact::Kind::tie && a.body == b.body &&
+           share_a_stage(a.stages, b.stages) && motion_of_rigid(c, a) != motion_of_rigid(c, b);
+  });
+  if (taken > 0) warnings_.push_back(fmt::format(parted, "rigid bodies to which a surface is tied"));
 }
 
 /// Nodes of cells that hold points of rigid bodies with shared nodes, on all processes.
@@ -112,7 +126,7 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   }
   // Surfaces that just touch count as closed, so that a body laid on another one is held from the first guess on.
   const double gap = point.gap + point.normal.dot(relative), touching = 1e-12 * cell_size_;
-  if (gap >= touching) return {};
+  if (gap >= touching && !(keeps_closed_ && point.gap < touching)) return {};
   const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
   const Vec3 push = -k * gap * point.normal;
   if (spec.kind == Contact::Kind::frictionless) return {push, k * nn, true};

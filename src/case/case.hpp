@@ -138,7 +138,7 @@ struct Contact {
     friction,      ///< unilateral; slides where the shear reaches Coulomb's limit
     shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
-  double stiffness = 1000.0;  ///< penalty in units of E/h [-]
+  double stiffness = 100.0;   ///< penalty in units of E/h [-]
   double friction = 0.0;      ///< Coulomb's coefficient, with Kind::friction [-]
   Stages stages;
 };
@@ -317,6 +317,7 @@ struct Case {
   }
   std::string resolved;  ///< the case as TOML after `base` and defaults, for the output folder
   std::vector<std::string> warnings;
+  std::vector<std::string> choices;  ///< what was chosen where the file is silent, and why
 };
 
 /// Calls f with every motion of a case and its gravity. Prescribed displacements and body forces may depend on the place.

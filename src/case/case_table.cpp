@@ -39,13 +39,17 @@ Table<Case> model_table() {
            std::vector<std::pair<std::string, Formulation>>{{"updated_lagrangian", Formulation::updated_lagrangian},
                                                             {"total_lagrangian", Formulation::total_lagrangian}},
            "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
-           "that crack but hardly move (method \"mpm\")");
+           "that crack but hardly move (method \"mpm\"). Default: total_lagrangian where all laws are of damage, nothing is "
+           "dynamic and deformable bodies do not touch each other, else updated_lagrangian")
+      .no_default();
   t.choice("volumetric", &Case::volumetric,
            Words<Volumetric>{{"standard", Volumetric::standard}, {"f_bar", Volumetric::f_bar}, {"mixed", Volumetric::mixed}},
            "volumetric strain of a material point: its own; the mean over the points of its cell (f_bar); or that of a "
            "pressure with unknowns of its own at the nodes (mixed: stabilised u-p). The latter two do not lock where the "
            "volume hardly changes: undrained soil, metal, failure loads (method \"mpm\", not plane stress; f_bar: grids "
-           "of quads or hexahedra)");
+           "of quads or hexahedra). Default: f_bar, where it can be, with laws of plasticity and Poisson ratios from 0.45, "
+           "else standard")
+      .no_default();
   t.choice("quadrature", &Case::quadrature, Words<Quadrature>{{"points", Quadrature::points}, {"gauss", Quadrature::gauss}},
            "forces from the stresses at the material points; or inside of the body from those at Gauss points of the "
            "cells, by a linear fit over the points of each cell (gauss): uneven points then integrate as even ones do "
@@ -145,7 +149,8 @@ const Table<GridInput>& grid_table() {
              "cells lose accuracy; supports of nodes ([boundary.NAME]) then have to lie on the edges of the grid. GIMP (quads "
              "and hexahedra): means over a box about the point, of linear functions, with the edges of the start (ugimp) or "
              "following the stretch (cpgimp), or of quadratic B-splines (b2gimp). cpdi (any grid): means over a parallelogram "
-             "or parallelepiped that deforms with the body");
+             "or parallelepiped that deforms with the body. Default: linear where no point crosses a cell (small strain, total Lagrangian), else cpgimp, or cpdi on grids without quads or hexahedra in rows")
+        .no_default();
     t.vector("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
         .only_without("file");
     t.number(

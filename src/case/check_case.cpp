@@ -272,8 +272,6 @@ private:
     };
     if (c_.method == Method::fem)
       return refuse("is for method \"mpm\"; against locking finite elements have mesh = { ..., order = 2 }");
-    if (has_domains(c_.shape_functions))
-      return refuse("works on points of one cell: not with grid.shape_functions whose points have domains (gimp, cpdi)");
     if (c_.space == Space::plane_stress)
       return refuse("is not for plane stress, where nothing locks: the thickness is free to change");
     const auto* grid = std::get_if<StructuredGrid>(&c_.grid);
@@ -308,7 +306,7 @@ private:
                             "constant elastic moduli");
     }
     if (c_.shape_functions != ShapeFunctions::linear)
-      at("grid").explain("shape_functions", "model.volumetric = \"mixed\" is for linear ones; B-splines: \"f_bar\"");
+      at("grid").explain("shape_functions", "model.volumetric = \"mixed\" is for linear ones; others: \"f_bar\"");
     if (c_.control.kind == Control::Kind::gauge)
       at("control").explain("gauge", "does not go with model.volumetric = \"mixed\"");
     for (const Stage& stage : c_.stages) {

@@ -1,6 +1,7 @@
 #include "case/read_case.hpp"
 
 #include "base/error.hpp"
+#include "case/defaults.hpp"
 #include "case/load.hpp"
 #include "case/tables.hpp"
 
@@ -57,6 +58,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   problems.throw_if_any(path);
   case_table().read(scope, c);
   line_up_stages(c);
+  choose_defaults(c, root);
   check_case(c, root, problems);
   problems.throw_if_any(path);
   set_ends(c);

@@ -64,7 +64,9 @@ struct NewtonSolver::Impl {
   const Residual* residual = nullptr;
   const Jacobian* jacobian = nullptr;
   std::vector<double> x_buffer, r_buffer;
-  std::vector<double> residuals;
+  std::vector<double> residuals, best;
+  double least = 0.0;
+  StepLength length = StepLength::full;
   std::exception_ptr error;
 
   void destroy() {
@@ -144,8 +146,33 @@ struct NewtonSolver::Impl {
     }
   }
 
-  static PetscErrorCode monitor(SNES, PetscInt, PetscReal norm, void* context) {
-    static_cast<Impl*>(context)->residuals.push_back(norm);
+  /// Steps of fixed length whose residuals no longer fall go round in circles.
+  bool goes_round() const {
+    constexpr std::size_t patience = 8;
+    constexpr double progress = 0.3;
+    if (length == StepLength::line_search || residuals.size() < 2 * patience) return false;
+    const auto split = residuals.end() - patience;
+    return *std::min_element(split, residuals.end()) > progress * *std::min_element(residuals.begin(), split);
+  }
+
+  static PetscErrorCode converged(SNES snes, PetscInt iteration, PetscReal x, PetscReal step, PetscReal f,
+                                  SNESConvergedReason* reason, void* context) {
+    const PetscErrorCode code = SNESConvergedDefault(snes, iteration, x, step, f, reason, nullptr);
+    if (code == 0 && *reason == SNES_CONVERGED_ITERATING && static_cast<Impl*>(context)->goes_round())
+      *reason = SNES_DIVERGED_LOCAL_MIN;
+    return code;
+  }
+
+  static PetscErrorCode monitor(SNES snes, PetscInt, PetscReal norm, void* context) {
+    auto& self = *static_cast<Impl*>(context);
+    if (self.residuals.empty() || norm < self.least) {
+      Vec x;
+      SNESGetSolution(snes, &x);
+      const auto data = view(x);
+      self.best.assign(data.begin(), data.end());
+      self.least = norm;
+    }
+    self.residuals.push_back(norm);
     return 0;
   }
 
@@ -182,6 +209,7 @@ void NewtonSolver::set_matrix(CsrMatrix& matrix, const SystemLayout& layout, boo
   SNESSetFunction(m.snes, m.r, Impl::evaluate, &m);
   SNESSetJacobian(m.snes, m.mat, m.mat, Impl::differentiate, &m);
   SNESMonitorSet(m.snes, Impl::monitor, &m, nullptr);
+  SNESSetConvergenceTest(m.snes, Impl::converged, &m, nullptr);
   SNESSetDivergenceTolerance(m.snes, -1.0);
   KSP ksp;
   PC pc;
@@ -208,7 +236,7 @@ bool NewtonSolver::solve_linear(const std::vector<double>& rhs, std::vector<doub
   return true;
 }
 
-NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool line_search, int most,
+NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, StepLength length, int most,
                                  const Residual& residual, const Jacobian& jacobian) {
   Impl& m = *impl_;
   m.residual = &residual;
@@ -219,12 +247,16 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool 
   SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, most, 100000);
   SNESLineSearch search;
   SNESGetLineSearch(m.snes, &search);
-  SNESLineSearchSetType(search, line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);
+  m.length = length;
+  SNESLineSearchSetType(search, length == StepLength::line_search ? SNESLINESEARCHBT : SNESLINESEARCHBASIC);
+  SNESLineSearchSetDamping(search, length == StepLength::half ? 0.5 : 1.0);
   const PetscErrorCode code = SNESSolve(m.snes, nullptr, m.x);
   if (m.error) std::rethrow_exception(m.error);
 
   NewtonResult result;
   result.residuals = m.residuals;
+  result.best = m.best;
+  result.least = m.least;
   PetscInt iterations = 0;
   SNESGetIterationNumber(m.snes, &iterations);
   result.iterations = static_cast<int>(iterations);
@@ -234,6 +266,8 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, bool 
   result.converged = code == 0 && reason > 0;
   if (code != 0)
     result.reason = "PETSc error " + std::to_string(code);
+  else if (reason == SNES_DIVERGED_LOCAL_MIN && m.goes_round())
+    result.reason = "the residual no longer falls";
   else if (!result.converged)
     result.reason = SNESConvergedReasons[reason];
   const auto data = view(m.x);

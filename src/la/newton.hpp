@@ -23,6 +23,8 @@ struct NewtonResult {
   double residual = 0.0;          ///< last norm [N]
   std::vector<double> residuals;  ///< norm of every iteration, the first one before any
   std::string reason;             ///< why it did not converge
+  std::vector<double> best;       ///< unknowns with the smallest norm on the way
+  double least = 0.0;             ///< that norm [N]
 };
 
 /// Where the rows of a process's matrix stand in the whole. A process owns its first `n_mine` unknowns, but for the
@@ -45,6 +47,10 @@ constexpr std::int64_t largest_direct_in_space = 10000;
 struct LinearCount {
   long solves = 0, iterations = 0, fallbacks = 0;
 };
+
+/// How far a Newton step goes: as a backtracking line search on the residual says; all the way; or half of it, which ends
+/// circles between states of contact or yielding whose corrections overshoot each other.
+enum class StepLength { line_search, full, half };
 
 class NewtonSolver {
 public:
@@ -69,9 +75,9 @@ public:
   /// Solves matrix * x = rhs with the values now in the matrix. False if the factorisation failed.
   bool solve_linear(const std::vector<double>& rhs, std::vector<double>& x);
 
-  /// Newton from x until the residual norm is below `tolerance` [N], with a backtracking line search or with full
-  /// steps, at most so many.
-  NewtonResult solve(std::vector<double>& x, double tolerance, bool line_search, int most, const Residual& residual,
+  /// Newton from x until the residual norm is below `tolerance` [N], in at most so many steps; without a line search it
+  /// ends as soon as the residual no longer falls.
+  NewtonResult solve(std::vector<double>& x, double tolerance, StepLength length, int most, const Residual& residual,
                      const Jacobian& jacobian);
 
   /// Seconds spent in solving linear systems since the start, set-up included.

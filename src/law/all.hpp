@@ -55,4 +55,9 @@ inline bool is_plastic(const AnyLaw& law) {
   return std::visit([](const auto& l) { return keeps_elastic_strain<std::decay_t<decltype(l)>>; }, law);
 }
 
+/// Softens by damage: brittle.
+inline bool is_damage(const AnyLaw& law) {
+  return std::visit([](const auto& l) { return requires { std::decay_t<decltype(l)>::n_weights; }; }, law);
+}
+
 }  // namespace berm

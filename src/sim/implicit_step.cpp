@@ -12,6 +12,10 @@ namespace {
 /// rest is carried into the next step's equilibrium.
 constexpr double impl_ex_tolerance = 1e-5;
 
+/// Where the residual no longer falls, because states of contact or yielding come and go, this relative one is taken for
+/// equilibrium; the rest is carried into the next step's.
+constexpr double still_tolerance = 1e-5;
+
 /// Forces of a contact whose nodes have been frozen may be off by this share of themselves.
 constexpr double most_violation = 0.1;
 
@@ -259,7 +263,9 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
   assembler_.set_border(column, row);
 }
 
-/// First guess from the tangent at t_n: K_ff dx = -r(0) - K_fp du_p. The only linear solve of an IMPL-EX step.
+/// First guess from the tangent at t_n: K_ff dx = -r(0) - K_fp du_p. The only linear solve of an IMPL-EX step. What presses
+/// on a rigid body goes along with it: the penetration that carries a load is a small part of a step, and a body that
+/// retreats would leave the whole surface without support.
 bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   const Discretisation& d = *world_.discretisation;
   const std::vector<double> prescribed = prescribed_;
@@ -267,8 +273,10 @@ bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   x.assign(n_mine(), 0.0);
   if (owns_border()) x.back() = world_.load_factor;
   std::vector<double> r, dx;
+  world_.boundary->keep_closed(true);
   const bool fine = residual(x, r);
   if (fine) assemble(&prescribed);
+  world_.boundary->keep_closed(false);
   prescribed_ = prescribed;
   cached_r_.clear();
   if (!fine) return false;
@@ -386,14 +394,15 @@ bool ImplicitStep::first_guess(std::vector<double>& x, int& iterations, Integrat
 /// grow before it falls: full steps get through more often. With inertia they mostly are the shortest way.
 std::vector<ImplicitStep::Attempt> ImplicitStep::attempts(const Solver& s) const {
   constexpr int few = 8;
-  if (!s.line_search) return {{false, s.max_iterations}};
-  if (motion_) return {{false, std::min(few, s.max_iterations)}, {true, s.max_iterations}};
-  return {{true, s.max_iterations}, {false, s.max_iterations}};
+  using enum StepLength;
+  if (!s.line_search) return {{full, s.max_iterations}};
+  if (motion_) return {{full, std::min(few, s.max_iterations)}, {line_search, s.max_iterations}, {half, s.max_iterations}};
+  return {{line_search, s.max_iterations}, {full, s.max_iterations}, {half, s.max_iterations}};
 }
 
 NewtonResult ImplicitStep::solve(std::vector<double>& x, double tolerance, const Attempt& how) {
   return newton_->solve(
-      x, tolerance, how.line_search, how.most, [this](const auto& at, auto& out) { return residual(at, out); },
+      x, tolerance, how.length, how.most, [this](const auto& at, auto& out) { return residual(at, out); },
       [this, matrices = 0](const auto& at) mutable {
         constexpr int enough = 6;
         std::vector<double> unused;
@@ -408,6 +417,11 @@ void ImplicitStep::check_motions() const {
   for_each_motion(world_.spec, [this](const TimeFunction& f) {
     if (!f.depends_on_place()) f.at(t1_);
   });
+}
+
+/// Whether the contacts of the trial state are as assumed.
+bool ImplicitStep::is_fair() const {
+  return world_.boundary->grid_contact().violation(*world_.discretisation, du_) <= most_violation;
 }
 
 StepResult ImplicitStep::attempt(double dt, Integration integration) {
@@ -460,11 +474,18 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
     world_.boundary->grid_contact().begin_step(*world_.discretisation);
     newton = solve(x, tolerance, attempt);
     result.iterations += newton.iterations;
-    if (newton.converged && world_.boundary->grid_contact().violation(*world_.discretisation, du_) > most_violation) {
+    if (newton.converged && !is_fair()) {
       newton.converged = false;
       newton.reason = "bodies part, stick or slide otherwise than assumed in the step";
     }
     if (newton.converged) break;
+    if (newton.least <= still_tolerance * scale && !newton.best.empty()) {
+      x = newton.best;
+      residual(x, r);
+      newton.residual = newton.least;
+      result.stood_still = newton.converged = is_fair();
+      if (newton.converged) break;
+    }
   }
   result.converged = newton.converged;
   const double reference = std::max(scale, s.absolute_tolerance * world_.elastic_scale);

@@ -13,6 +13,7 @@ namespace berm {
 
 struct StepResult {
   bool converged = false;
+  bool stood_still = false;          ///< taken with a residual above the tolerance that no longer fell
   int iterations = 0;                ///< linear solves
   double residual = 0.0;             ///< norm over the norm of the forces [-]
   double extrapolation_error = 0.0;  ///< impl_ex: largest |damage used - damage| [-]
@@ -85,10 +86,11 @@ private:
   void assemble(const std::vector<double>* prescribed);
   bool linear_predictor(std::vector<double>& x);
   struct Attempt {
-    bool line_search;
+    StepLength length;
     int most;  ///< iterations
   };
   std::vector<Attempt> attempts(const Solver& s) const;
+  bool is_fair() const;
   NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;

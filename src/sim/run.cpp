@@ -157,6 +157,10 @@ private:
         continue;
       }
       step_.accept();
+      if (result.stood_still) {
+        ++n_still_;
+        worst_still_ = std::max(worst_still_, result.residual);
+      }
       recorder_.record(result, integration);
       if (integration == Integration::implicit)
         control_.after_implicit(result.iterations, result.time_error);
@@ -213,6 +217,10 @@ private:
     if (!comm_.is_root()) return;
     for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
     warn_about(metrics);
+    if (n_still_ > 0)
+      log_.info(fmt::format("{} steps ended where the residual no longer fell, at most {:.1e} of the forces: states of "
+                            "contact or yielding that come and go",
+                            n_still_, worst_still_));
     const StepTimes t = step_.times();
     log_.info(
         fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",
@@ -250,6 +258,8 @@ private:
   StepControl control_;
   Progress progress_;
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
+  int n_still_ = 0;                              ///< steps that stood still
+  double worst_still_ = 0.0;                     ///< their largest residual
   std::string choice_;                           ///< of the linear solver, as last logged
 };
 

@@ -259,6 +259,7 @@ void collect_warnings(World& w) {
   // No error: a body may move there later.
   if (const std::string name = w.boundary->idle_boundary(); !name.empty())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
+  for (const std::string& warning : w.boundary->warnings()) w.warnings.push_back(warning);
   const MaterialState& m = w.discretisation->material;
   for (const Slice& slice : m.slices) {
     double longest = 0.0;
@@ -383,6 +384,7 @@ std::string describe(const World& w) {
     line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
                      s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",
                      s.name.empty() ? "" : ", stage " + s.name));
+  for (const std::string& choice : w.spec.choices) line("  chosen            " + choice);
   for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;
 }

@@ -26,7 +26,7 @@ struct ShapeChoice {
 class MpmDiscretisation final : public Discretisation {
 public:
   /// ghost_penalty: factor on E of the face stabilisation, 0 for none. Domains that follow are for finite strain, boxes for
-  /// structured grids of quads or hexahedra, both for Volumetric::standard. Throws InputError if the volumetric strain is
+  /// structured grids of quads or hexahedra, neither for Volumetric::mixed. Throws InputError if the volumetric strain is
   /// to be averaged over cells of which none is a quad or a hexahedron.
   MpmDiscretisation(Grid grid, Space space, double ghost_penalty,
                     Formulation formulation = Formulation::updated_lagrangian, const Comm& comm = {},
@@ -111,9 +111,9 @@ private:
     double stiffness = 0.0;  ///< mean damaged E (plane: times thickness)
     int holds_rigid = 0;     ///< points of a rigid body
   };
-  /// F-bar: points of one body in one cell, which share their dilatation.
+  /// F-bar: points of one body in one patch, which share their dilatation.
   struct Group {
-    int active, begin, end;  ///< points order_[begin..end-1] of the active cell
+    int patch, begin, end;  ///< points order_[begin..end-1] of the patch
   };
   /// A face between two active cells, one of them cut: jump of the first normal derivative of the shape functions that has
   /// one.
@@ -132,6 +132,9 @@ private:
   void send_points();
   // the connectivity of a step (mpm_connectivity.cpp)
   void sort_points(const std::vector<Anchor*>& anchors);
+  void find_carriers(const std::vector<Anchor*>& anchors, const std::function<bool(int layered)>& is_filled);
+  std::pair<int, double> nearest_filled(int layered, const Vec3& place,
+                                        const std::function<bool(int layered)>& is_filled) const;
   void evaluate_shapes();
   void store_shape(int p, int n, const BasisAt& shape);
   void weigh_cells();
@@ -150,6 +153,7 @@ private:
   // domains of points (mpm_domains.cpp)
   void look_at_domains(const std::vector<Anchor*>& anchors);
   Cover cover_of(int p, BasisAt& shape) const;
+  void spread_shape(int p, std::span<const int> own, std::span<const int> nodes);
   void weigh_covered_cells(const std::map<int, CellState>& covered, const std::vector<Anchor*>& anchors);
   Mat3 edges(int p) const;
   Vec3 box_edges(int p) const;
@@ -193,7 +197,7 @@ private:
   double mean_stress_volume(int p) const;
   void add_mean_pressure(NodalVector& f) const;
   template <int dimension, bool hoop, int n>
-  void f_bar_tangent(int active, const LawSettings& settings, double* K) const;
+  void f_bar_tangent(int patch, const LawSettings& settings, double* K) const;
   // pressures of their own (mpm_mixed.cpp)
   std::vector<int> filled_cells() const;
   void add_pressure_blocks();
@@ -221,7 +225,7 @@ private:
 
   std::span<const int> points_in(const Group& g) const { return {order_.data() + g.begin, order_.data() + g.end}; }
   const double* mean_divergence(std::size_t group) const {
-    return mean_divergence_.data() + group * dimension() * basis_.most_nodes();
+    return mean_divergence_.data() + group * dimension() * most_nodes_;
   }
 
   /// Shape functions of a point at t_n: n values, then n gradients.
@@ -294,14 +298,15 @@ private:
   std::vector<Interface> interfaces_;
 
   Blocks patch_nodes_;                            ///< layered nodes of the basis; block b is of patch b
-  std::vector<int> anchor_cells_;                 ///< domains: layered cells with blocks of their own for anchors
+  std::vector<int> carrier_;                      ///< of an anchor: layered cell whose functions it sees
+  std::vector<int> anchor_cells_;                 ///< layered cells with blocks of their own for anchors
   int first_anchor_block_ = 0;
   std::vector<int> active_cells_, active_index_;  ///< layered cell -> index or -1
   std::vector<CellState> cells_;                  ///< by active index
   std::map<int, CellState> remote_;               ///< active cells of other processes at the border
   std::vector<int> order_, first_;
   std::vector<Group> groups_;            ///< F-bar
-  std::vector<int> first_group_;         ///< of an active cell
+  std::vector<int> first_group_;         ///< of a patch
   std::vector<int> pressure_block_;      ///< mixed: of an active cell with points, else -1
   std::vector<int> scalar_nodes_;
   std::vector<double> mean_divergence_;  ///< by group: divergence of unit displacements of the nodes, b of (44)

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/sort_unique.hpp"
 #include "mesh/cell_map.hpp"
 #include "method/depth.hpp"
 #include "shape/quadrature.hpp"
@@ -34,7 +35,68 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   attach(anchors);
 }
 
-/// Counting sort of the points by cell; cells of anchors are active even without points.
+/// How many faces away from an anchor's cell one that carries it is looked for.
+constexpr int carrier_reach = 3;
+
+/// The cell with material that is nearest to a place in one without, and how far its centre is; {-1, 0}: none is near.
+std::pair<int, double> MpmDiscretisation::nearest_filled(int layered, const Vec3& place,
+                                                         const std::function<bool(int layered)>& is_filled) const {
+  std::vector<int> around = {layered};
+  std::pair<int, double> best = {-1, 0.0};
+  for (std::size_t begin = 0, ring = 0; ring <= carrier_reach; ++ring) {
+    const std::size_t end = around.size();
+    for (std::size_t k = begin; k < end; ++k) {
+      const double distance = (cell_centre(grid_.mesh, grid_cell(around[k])) - place).norm();
+      if (is_filled(around[k]) && (best.first < 0 || distance < best.second * (1.0 - 1e-9))) best = {around[k], distance};
+      for (int f = 0; f < max_faces; ++f)
+        if (const int other = neighbour(around[k], f);
+            other >= 0 && std::find(around.begin(), around.end(), other) == around.end())
+          around.push_back(other);
+    }
+    begin = end;
+  }
+  return best;
+}
+
+/// A surface and the material behind it cross the lines of the grid at different times. Where no material is in the cell
+/// of an anchor, the functions of the nearest cell that has some go on beyond its edge (they are polynomials): what the
+/// anchor feels and does belongs to nodes that carry. On several processes the nearest of all.   [formulation, section 6]
+void MpmDiscretisation::find_carriers(const std::vector<Anchor*>& anchors,
+                                      const std::function<bool(int layered)>& is_filled) {
+  carrier_.clear();
+  std::vector<double> mine;  // layered cell and place of each that looks for one
+  std::vector<std::size_t> who;
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const Anchor& a = *anchors[i];
+    carrier_.push_back(layered_cell(a.cell, a.body));
+    if (a.rigid || is_filled(carrier_.back())) continue;
+    const Vec3 x = seen(a);
+    mine.insert(mine.end(), {double(carrier_.back()), x.x(), x.y(), x.z()});
+    who.push_back(i);
+  }
+  if (!comm_.any(!mine.empty())) return;
+  const std::size_t before = 2 * comm_.exclusive_sum(static_cast<long>(who.size()));
+  const std::vector<double> wanted = comm_.all_gather(mine);
+  std::vector<double> offers;  // cell and distance
+  for (std::size_t k = 0; k < wanted.size(); k += 4) {
+    const Vec3 x(wanted[k + 1], wanted[k + 2], wanted[k + 3]);
+    const auto [cell, distance] = nearest_filled(static_cast<int>(wanted[k]), x, is_filled);
+    offers.insert(offers.end(), {double(cell), distance});
+  }
+  const std::vector<double> all = comm_.all_gather(offers);  // those of one process after those of another
+  for (std::size_t k = 0; k < who.size(); ++k) {
+    int best = -1;
+    double nearest = infinity;
+    for (std::size_t at = before + 2 * k; at < all.size(); at += offers.size())
+      if (all[at] >= 0.0 && all[at + 1] < nearest) {
+        best = static_cast<int>(all[at]);
+        nearest = all[at + 1];
+      }
+    if (best >= 0) carrier_[who[k]] = best;
+  }
+}
+
+/// Counting sort of the points by cell; cells that carry anchors are active too.
 void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
   for (int c : active_cells_) active_index_[c] = -1;
   active_cells_.clear();
@@ -47,7 +109,15 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
   for (const Slice& slice : material.slices)
     for (int p = slice.begin; p < slice.end; ++p) layered_[p] = layered_cell(cell_[p], slice.body);
   for (int c : layered_) activate(c);
-  for (const Anchor* a : anchors) activate(layered_cell(a->cell, a->body));
+  find_carriers(anchors, [this](int c) { return active_index_[c] >= 0; });
+  anchor_cells_.clear();
+  for (const int c : carrier_) {
+    if (comm_.size() == 1 || owner_of_cell(grid_cell(c)) == comm_.rank())
+      activate(c);
+    else
+      anchor_cells_.push_back(c);
+  }
+  sort_unique(anchor_cells_);
   std::sort(active_cells_.begin(), active_cells_.end());
   for (std::size_t k = 0; k < active_cells_.size(); ++k) active_index_[active_cells_[k]] = static_cast<int>(k);
 
@@ -66,8 +136,8 @@ void MpmDiscretisation::sort_points(const std::vector<Anchor*>& anchors) {
     patch_nodes_.add(list);
   }
   cells_.assign(active_cells_.size(), {});
-  for (const Anchor* a : anchors)
-    if (a->rigid) cells_[active_index_[layered_cell(a->cell, a->body)]].holds_rigid = 1;
+  for (std::size_t i = 0; i < anchors.size(); ++i)
+    if (anchors[i]->rigid) cells_[active_index_[carrier_[i]]].holds_rigid = 1;
 }
 
 void MpmDiscretisation::evaluate_shapes() {
@@ -328,6 +398,8 @@ void MpmDiscretisation::number_nodes() {
   for (int node : patch_nodes_.nodes) touched[node] = 1;
   for (int c : active_cells_)
     for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
+  for (int c : anchor_cells_)
+    for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
     for (int node : f.node) touched[layered_node(node, f.cell_a)] = 1;
   for (int a : numbered_filled_)
@@ -368,8 +440,8 @@ void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     Anchor& a = *anchors[i];
     Stencil& s = anchor_stencils_[i];
-    basis_.evaluate(a.cell, seen(a), shape);
-    const int layered = layered_cell(a.cell, a.body);
+    const int layered = carrier_[i];
+    basis_.evaluate(grid_cell(layered), seen(a), shape);
     s.resize(shape.n);
     for (int k = 0; k < shape.n; ++k) {
       s.node[k] = local_node_[shape.nodes[k] + field_of(layered) * basis_.n_nodes()];
@@ -381,8 +453,9 @@ void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
       }
     }
     const auto own = std::lower_bound(anchor_cells_.begin(), anchor_cells_.end(), layered);
-    a.block = own == anchor_cells_.end() ? active_index_[layered]
-                                         : first_anchor_block_ + static_cast<int>(own - anchor_cells_.begin());
+    a.block = own == anchor_cells_.end() || *own != layered
+                  ? active_index_[layered]
+                  : first_anchor_block_ + static_cast<int>(own - anchor_cells_.begin());
     a.stencil = &s;
     a.by_reference = total_lagrangian_;
   }

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/sort_unique.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -18,7 +19,7 @@ namespace {
 using PatchKey = std::array<int, 8>;
 
 struct Patch {
-  std::vector<int> nodes;  ///< of the basis; -1: none
+  std::vector<int> nodes;  ///< of the basis; -1: none; filled up with it to a size for which there are kernels
   std::vector<int> cells;  ///< that its points cover
   std::vector<int> points;
 };
@@ -36,6 +37,16 @@ Vec3 root_diagonal(const Mat3& A, int dimension) {
   if (dimension == 3) return Eigen::SelfAdjointEigenSolver<Mat3>(A).operatorSqrt().diagonal();
   const double root = std::sqrt(A(0, 0) * A(1, 1) - A(0, 1) * A(1, 0)), size = std::sqrt(A(0, 0) + A(1, 1) + 2.0 * root);
   return {(A(0, 0) + root) / size, (A(1, 1) + root) / size, 1.0};
+}
+
+/// Adds the nodes that a patch does not have, unless there would be too many for any kernel.
+bool take_nodes(std::vector<int>& nodes, std::span<const int> more, int dimension) {
+  std::vector<int> all = nodes;
+  for (const int node : more)
+    if (std::find(all.begin(), all.end(), node) == all.end()) all.push_back(node);
+  if (static_cast<int>(all.size()) > (dimension == 3 ? 64 : 16)) return false;
+  nodes = std::move(all);
+  return true;
 }
 
 template <class List>
@@ -71,6 +82,9 @@ Cover MpmDiscretisation::cover_of(int p, BasisAt& shape) const {
 void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
   const int d = dimension();
   const bool boxes = shapes_.domain == ShapeChoice::Domain::box;
+  // The mean dilatation is that of the points in a cell: these have one list, whatever cells their corners lie in.
+  const bool by_cell = f_bar_ && !boxes;
+  Blocks own_nodes;  // by point
   shape_.resize(x_.size() * stride_);
   layered_.resize(x_.size());
   std::map<PatchKey, Patch> patches;
@@ -84,12 +98,15 @@ void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
                                  id_[p]));
     PatchKey key;
     key.fill(-1);
-    for (int c = 0; c < (boxes ? 1 : cover.n); ++c) key[c] = cover.cell[c] + layer;
-    Patch& patch = patches[key];
-    if (patch.points.empty()) {
-      patch.nodes.assign(kernel_size(shape.n, d), -1);
-      std::copy_n(shape.nodes.begin(), shape.n, patch.nodes.begin());
+    const std::span<const int> own{shape.nodes.data(), static_cast<std::size_t>(shape.n)};
+    if (by_cell) {
+      own_nodes.add(own);
+      key[0] = layered_[p];
     }
+    if (!by_cell || !take_nodes(patches[key].nodes, own, d))
+      for (int c = 0; c < (boxes ? 1 : cover.n); ++c) key[c] = cover.cell[c] + layer;
+    Patch& patch = patches[key];
+    if (patch.nodes.empty()) patch.nodes.assign(own.begin(), own.end());
     patch.points.push_back(p);
     const double size = measure_[p] * swollen(p), youngs = youngs_of_slice_[slice] * (1.0 - material.damage[p]);
     for (int c = 0; c < cover.n; ++c) {
@@ -98,7 +115,7 @@ void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
       cell.fill += cover.share[c] * size;
       cell.stiffness += cover.share[c] * size * youngs;
     }
-    store_shape(p, static_cast<int>(patch.nodes.size()), shape);
+    store_shape(p, by_cell ? shape.n : kernel_size(shape.n, d), shape);
   };
   comm_.agree([&] {
     BasisAt shape;
@@ -111,6 +128,10 @@ void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
   order_.clear();
   first_.assign(1, 0);
   for (auto& [key, patch] : patches) {
+    if (patch.points.empty()) continue;
+    patch.nodes.resize(kernel_size(static_cast<int>(patch.nodes.size()), d), -1);
+    if (by_cell)
+      for (const int p : patch.points) spread_shape(p, own_nodes[p], patch.nodes);
     std::vector<int> seen;
     for (const int c : patch.cells)
       for (const int node : basis_.nodes_of(c)) seen.push_back(node);
@@ -122,6 +143,21 @@ void MpmDiscretisation::look_at_domains(const std::vector<Anchor*>& anchors) {
     first_.push_back(static_cast<int>(order_.size()));
   }
   weigh_covered_cells(covered, anchors);
+}
+
+/// From the order of the point's own nodes to that of its patch, which has more.
+void MpmDiscretisation::spread_shape(int p, std::span<const int> own, std::span<const int> nodes) {
+  const int d = dimension(), n = static_cast<int>(own.size());
+  double* s = shape_.data() + std::size_t(p) * stride_;
+  BasisAt shape;
+  shape.n = static_cast<int>(nodes.size());
+  for (int k = 0; k < shape.n; ++k) {
+    const auto at = std::find(own.begin(), own.end(), nodes[k]) - own.begin();
+    shape.N[k] = at < n ? s[at] : 0.0;
+    shape.grad[k].setZero();
+    if (at < n) std::copy_n(s + n + d * at, d, shape.grad[k].data());
+  }
+  store_shape(p, shape.n, shape);
 }
 
 /// `covered`: measure, and Young's moduli times it, of this process's points in cells, whose owners want to know.
@@ -142,15 +178,14 @@ void MpmDiscretisation::weigh_covered_cells(const std::map<int, CellState>& cove
       state.fill += from[k + 1];
       state.stiffness += from[k + 2];
     }
-  anchor_cells_.clear();
-  for (const Anchor* a : anchors) {
-    const int cell = layered_cell(a->cell, a->body);
-    anchor_cells_.push_back(cell);
-    CellState& state = own[cell];
-    if (a->rigid) state.holds_rigid = 1;
+  find_carriers(anchors, [&own](int c) { return own.count(c) > 0; });
+  anchor_cells_ = carrier_;
+  sort_unique(anchor_cells_);
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    const bool here = comm_.size() == 1 || owner_of_cell(grid_cell(carrier_[i])) == comm_.rank();
+    if (here && anchors[i]->rigid) own[carrier_[i]].holds_rigid = 1;
+    if (here) own[carrier_[i]];  // active even if it is empty
   }
-  std::sort(anchor_cells_.begin(), anchor_cells_.end());
-  anchor_cells_.erase(std::unique(anchor_cells_.begin(), anchor_cells_.end()), anchor_cells_.end());
 
   for (int c : active_cells_) active_index_[c] = -1;
   active_cells_.clear();

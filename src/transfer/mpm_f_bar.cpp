@@ -1,4 +1,4 @@
-/// Mean dilatation over the points of a cell: against volumetric locking of linear cells
+/// Mean dilatation over the points of a cell or patch: against volumetric locking of linear cells
 /// [formulation, section 14, (40) to (46)].
 
 #include <Eigen/LU>
@@ -9,19 +9,20 @@
 
 namespace berm {
 
-/// Points of one body in one quad or hexahedron; order_ keeps the bodies apart already.
+/// Points of one body in one patch: without domains those of a quad or hexahedron; boxes whose lowest corners lie in the
+/// same cell; parallelograms (parallelepipeds) whose centres do. order_ keeps the bodies apart already.
 void MpmDiscretisation::group_points() {
   groups_.clear();
   first_group_.assign(1, 0);
-  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+  for (int a = 0; a < n_patches(); ++a) {
     int slice = -1;
-    const bool simplex = static_cast<int>(blocks[static_cast<int>(a)].size()) == dimension() + 1;
+    const bool simplex = static_cast<int>(blocks[a].size()) == dimension() + 1;
     const int end = simplex ? first_[a] : first_[a + 1];
     for (int at = first_[a]; at < end; ++at) {
       const int p = order_[at];
       if (slice < 0 || p >= material.slices[slice].end) {
         while (slice < 0 || p >= material.slices[slice].end) ++slice;
-        groups_.push_back({static_cast<int>(a), at, at});
+        groups_.push_back({a, at, at});
       }
       ++groups_.back().end;
     }
@@ -29,7 +30,7 @@ void MpmDiscretisation::group_points() {
   }
   share_.resize(x_.size());
   trial_stretch_.assign(x_.size(), 1.0);
-  mean_divergence_.resize(groups_.size() * dimension() * basis_.most_nodes());
+  mean_divergence_.resize(groups_.size() * dimension() * most_nodes_);
 }
 
 /// The deformation gradient at t_n that belongs to the displacements (total Lagrangian).   [formulation (43)]
@@ -58,7 +59,7 @@ void MpmDiscretisation::divergence(int p, int n, double* c) const {
 Status MpmDiscretisation::average_dilatation() {
   const int m = volumetric_directions();
   const bool small = kinematics_ == Kinematics::small;
-  std::vector<double> own, c(std::size_t(dimension()) * basis_.most_nodes());
+  std::vector<double> own, c(std::size_t(dimension()) * most_nodes_);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const std::span<const int> points = points_in(groups_[g]);
     own.clear();
@@ -77,8 +78,8 @@ Status MpmDiscretisation::average_dilatation() {
       after += base * own.back();
     }
     const double mean = after / before, total = small ? before : after;
-    const int n = static_cast<int>(blocks[groups_[g].active].size()), width = dimension() * n;
-    double* b = mean_divergence_.data() + g * dimension() * basis_.most_nodes();
+    const int n = static_cast<int>(blocks[groups_[g].patch].size()), width = dimension() * n;
+    double* b = mean_divergence_.data() + g * dimension() * most_nodes_;
     std::fill_n(b, width, 0.0);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const int p = points[k];
@@ -109,16 +110,16 @@ void MpmDiscretisation::add_mean_pressure(NodalVector& f) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     double sum = 0.0;
     for (int p : points_in(groups_[g])) sum += mean_stress_volume(p);
-    const std::span<const int> list = blocks[groups_[g].active];
+    const std::span<const int> list = blocks[groups_[g].patch];
     const double* b = mean_divergence(g);
     for (std::size_t k = 0; k < list.size(); ++k)
       for (int i = 0; i < d; ++i) f[list[k]][i] += sum * b[d * k + i];
   }
 }
 
-/// Matrix of an active cell.   [formulation (46)]
+/// Matrix of a patch.   [formulation (46)]
 template <int dimension, bool hoop, int n>
-void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, double* out) const {
+void MpmDiscretisation::f_bar_tangent(int patch, const LawSettings& settings, double* out) const {
   constexpr int components = dimension * dimension + (hoop ? 1 : 0), width = dimension * n;
   constexpr int m = dimension == 2 && !hoop ? 2 : 3;
   using Row = Eigen::Matrix<double, 1, width>;
@@ -128,7 +129,7 @@ void MpmDiscretisation::f_bar_tangent(int active, const LawSettings& settings, d
   const bool finite = settings.kinematics == Kinematics::finite;
   Modulus<components> a;
   Eigen::Matrix<double, components, width, Eigen::RowMajor> B;
-  for (int g = first_group_[active]; g < first_group_[active + 1]; ++g) {
+  for (int g = first_group_[patch]; g < first_group_[patch + 1]; ++g) {
     const Eigen::Map<const Row> b(mean_divergence(g));
     double pressure = 0.0;
     for (int p : points_in(groups_[g])) pressure += mean_stress_volume(p);

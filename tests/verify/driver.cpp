@@ -17,6 +17,19 @@ std::string scratch_file(const std::string& name) {
 }
 
 Case case_of(const std::string& text, const std::vector<std::string>& overrides) {
+  std::vector<std::string> all;
+  const auto plain = [&](const std::string& table, const std::string& key, const std::string& value) {
+    const bool has_table = text.find("[" + table + "]") != std::string::npos || text.find(table + " =") != std::string::npos;
+    if (text.find(key) == std::string::npos && (has_table || table == "model")) all.push_back(table + "." + key + "=\"" + value + "\"");
+  };
+  plain("model", "formulation", "updated_lagrangian");
+  plain("model", "volumetric", "standard");
+  plain("grid", "shape_functions", "linear");
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  return case_by_default(text, all);
+}
+
+Case case_by_default(const std::string& text, const std::vector<std::string>& overrides) {
   const std::string path = scratch_file("case.toml");
   std::ofstream(path) << text;
   return read_case(path, overrides);

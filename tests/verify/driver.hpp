@@ -15,8 +15,11 @@
 
 namespace berm::verify {
 
-/// The case written in `text`, with overrides as on the command line.
+/// The case written in `text`, with overrides as on the command line. What it does not say of the way it is computed is
+/// what these tests are about unless they say otherwise: linear functions, updated Lagrangian, each point's own strain.
 Case case_of(const std::string& text, const std::vector<std::string>& overrides = {});
+/// The same, computed as a case is by default.
+Case case_by_default(const std::string& text, const std::vector<std::string>& overrides = {});
 
 /// Path of a scratch file of this process.
 std::string scratch_file(const std::string& name);

@@ -1,0 +1,94 @@
+#include "case/defaults.hpp"
+
+#include <fmt/format.h>
+
+namespace berm {
+namespace {
+
+/// Elastic bodies with a Poisson ratio above this lock as those do that flow without change of volume.
+constexpr double nearly_incompressible = 0.45;
+
+struct Choice {
+  const char* value;
+  const char* why;
+};
+
+bool is_given(const Node& root, const char* table, const char* key) {
+  const Node::Entry* entry = root.find(table);
+  return entry && entry->value.find(key);
+}
+
+/// Writes a choice into the tree of the case and remembers it for `check` and the log.
+void write(Case& c, Node& root, const char* table, const char* key, const Choice& choice) {
+  Node::Entry* entry = root.find(table);
+  Node& node = entry ? entry->value : root.set(table, Node());
+  node.set(key, Node(std::string(choice.value)));
+  c.choices.push_back(fmt::format("{}.{} = \"{}\": {}", table, key, choice.value, choice.why));
+}
+
+bool all_damage(const Case& c) {
+  return !c.materials.empty() &&
+         std::all_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return is_damage(m.law); });
+}
+
+bool meets_deformable_bodies(const Case& c) {
+  return std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
+}
+
+bool has_boxes(const Case& c) {
+  const auto* grid = std::get_if<StructuredGrid>(&c.grid);
+  return grid && (grid->kind == GridKind::quads || grid->kind == GridKind::hexahedra);
+}
+
+/// Laws that flow while their volume stays, or is bound to the shear, and bodies that are nearly incompressible.
+bool locks(const Case& c) {
+  return std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
+    if (std::holds_alternative<Newtonian>(m.law)) return false;  // check_fluids
+    const auto lame = elastic_constants(m.law);
+    return is_plastic(m.law) || (lame && lame->lambda / (2.0 * (lame->lambda + lame->mu)) >= nearly_incompressible);
+  });
+}
+
+void choose_formulation(Case& c, Node& root) {
+  if (c.kinematics == Kinematics::small || is_given(root, "model", "formulation")) return;
+  if (!all_damage(c) || c.is_dynamic() || meets_deformable_bodies(c)) return;
+  c.formulation = Formulation::total_lagrangian;
+  write(c, root, "model", "formulation",
+        {"total_lagrangian", "specimens of brittle laws crack but hardly move: no point crosses a cell"});
+}
+
+void choose_functions(Case& c, Node& root) {
+  const bool moves = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+  if (is_given(root, "grid", "shape_functions")) {
+    if (moves && c.shape_functions == ShapeFunctions::linear)
+      c.choices.push_back("grid.shape_functions = \"linear\", as the case says: points that cross cells lose stress and "
+                          "energy (a block squeezed by 10 % carries two thirds of its load); without the key they do not");
+    return;
+  }
+  const bool fits = c.quadrature == Quadrature::points && c.volumetric != Volumetric::mixed;
+  if (!moves || !fits) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
+  c.shape_functions = has_boxes(c) ? ShapeFunctions::cpgimp : ShapeFunctions::cpdi;
+  write(c, root, "grid", "shape_functions",
+        {has_boxes(c) ? "cpgimp" : "cpdi",
+         "points move through the grid: their domains cross the lines of the cells smoothly"});
+}
+
+void choose_volumetric(Case& c, Node& root) {
+  if (is_given(root, "model", "volumetric")) return;
+  const bool fits = has_boxes(c) && c.space != Space::plane_stress && c.quadrature == Quadrature::points;
+  if (!fits || !locks(c)) return;
+  c.volumetric = Volumetric::f_bar;
+  write(c, root, "model", "volumetric",
+        {"f_bar", "a law flows without change of volume, or nearly so, and would lock"});
+}
+
+}  // namespace
+
+void choose_defaults(Case& c, Node& root) {
+  if (c.method != Method::mpm) return;
+  choose_formulation(c, root);
+  choose_volumetric(c, root);
+  choose_functions(c, root);
+}
+
+}  // namespace berm
