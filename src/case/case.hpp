@@ -138,7 +138,7 @@ struct Contact {
     friction,      ///< unilateral; slides where the shear reaches Coulomb's limit
     shared_nodes   ///< mpm: grid nodes of the cells that hold the rigid body's points move with it (no slip, no gap)
   } kind = Kind::tie;
-  double stiffness = 100.0;   ///< penalty in units of E/h [-]
+  double stiffness = 1000.0;  ///< penalty in units of E/h [-]
   double friction = 0.0;      ///< Coulomb's coefficient, with Kind::friction [-]
   Stages stages;
 };

@@ -198,14 +198,15 @@ Table<Contact> contact_table() {
       .required();
   t.only([](const Scope&, const Contact& c) { return c.kind == Kind::friction; }, "with kind = \"friction\"");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
-           "penalty in units of Young's modulus over cell size (default 1000; between deformable bodies 1: the force is "
-           "carried from step to step, so that it need not be stiff)")
+           "penalty in units of Young's modulus over cell size (default: tie 1000, what can open 100: what gives way "
+           "is a hundredth of what a cell does; between deformable bodies 1: the force is carried from step to step, so that it "
+           "need not be stiff)")
       .no_default();
   add_stages(t);
   t.check([](Scope& s, Contact& c) {
     s.exactly_one({"rigid", "other"});
     if (!s.has("stiffness")) {
-      c.stiffness = c.other.empty() ? 1000.0 : 1.0;
+      c.stiffness = !c.other.empty() ? 1.0 : c.kind == Kind::tie ? 1000.0 : 100.0;
       s.node.set("stiffness", Node(c.stiffness, s.place));
     }
     if (!c.other.empty() && c.kind != Kind::friction && c.kind != Kind::frictionless)
