@@ -194,7 +194,7 @@ void ImplicitStep::sum_forces() {
     force_scale_ = std::max(force_scale_, inertia_scale_);
     weigh_forces();
     motion_->add_forces(d, du_, resisting, nullptr);
-    world_.boundary->add_dashpots(motion_->velocity(du_), 0.0, resisting, nullptr);
+    world_.boundary->add_dashpots(motion_->weighed_velocity(du_), 0.0, resisting, nullptr);
   }
   d.add_stabilisation(du_, resisting, nullptr);
   world_.boundary->add_forces(d, du_, t0_, t1_, resisting, nullptr);
@@ -249,7 +249,8 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
   if (motion_) {
     assembler_.scale(motion_->new_internal_weight());
     motion_->add_forces(d, du_, unused, &assembler_);
-    world_.boundary->add_dashpots(motion_->velocity(du_), motion_->velocity_by_increment(), unused, &assembler_);
+    world_.boundary->add_dashpots(motion_->weighed_velocity(du_), motion_->weighed_velocity_by_increment(), unused,
+                                  &assembler_);
   }
   d.add_stabilisation(du_, unused, &assembler_);
   world_.boundary->add_forces(d, du_, t0_, t1_, unused, &assembler_);
@@ -308,7 +309,7 @@ std::vector<double> ImplicitStep::velocity_of_prescribed(double t0, double t1) c
 void ImplicitStep::prescribe_motion(double dt) {
   const double part = small_part * dt;
   world_.comm.agree([&] {
-    motion_->prescribe(dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
+    motion_->prescribe(*world_.discretisation, dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
                        velocity_of_prescribed(t1_ - part, t1_));
   });
 }
@@ -344,7 +345,7 @@ void ImplicitStep::forces_at_start(bool begins) {
   du_ = no_motion();
   if (begins) {
     settings.dt *= small_part;
-    for (std::size_t i = 0; i < du_.size(); ++i) du_[i] = settings.dt * motion_->velocity()[i];
+    for (std::size_t i = 0; i < du_.size(); ++i) du_[i] = settings.dt * motion_->smooth_velocity()[i];
   }
   world_.boundary->grid_contact().begin_step(d);
   d.evaluate(du_, settings);
@@ -361,7 +362,7 @@ void ImplicitStep::forces_at_start(bool begins) {
 void ImplicitStep::start_acceleration() {
   Discretisation& d = *world_.discretisation;
   NodalVector f = motion_->damping(d, motion_->velocity());
-  world_.boundary->add_dashpots(motion_->velocity(), 0.0, f, nullptr);
+  world_.boundary->add_dashpots(motion_->smooth_velocity(), 0.0, f, nullptr);
   world_.boundary->add_forces(d, du_, t0_, t0_, f, nullptr);
   d.halo.add_to_owners(f.data()->data(), 3);
   for (std::size_t i = 0; i < f.size(); ++i) f[i] = old_external_[i] - old_internal_[i] - f[i];
@@ -509,7 +510,7 @@ void ImplicitStep::accept() {
   double work = 0.0;
   const Reactions now = bc.reactions(du_, t0_, t1_, force_);
   const Reactions& before = balance_.reactions;
-  work += bc.support_work(before, now, t0_, t1_);
+  work += bc.support_work(motion_ && motion_->means() ? now : before, now, t0_, t1_);
   balance_.reactions = now;
   const double time_before = gauge_ >= 0 ? load_time() : t0_, factor_before = gauge_ >= 0 ? world_.load_factor : 1.0;
   work +=
@@ -585,7 +586,7 @@ void ImplicitStep::set_up_stage() {
   last_dt_ = 0.0;
   motion_.reset();
   motion_ready_ = false;
-  if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics);
+  if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics, world_.spec.method == Method::fem);
 }
 
 LinearCount ImplicitStep::linear_count() const {

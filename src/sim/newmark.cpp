@@ -6,8 +6,9 @@ namespace berm {
 
 /// Bossak: alpha weighs inertia (Wood, Bossak and Zienkiewicz 1980); HHT: forces (Hilber, Hughes and Taylor 1977). The
 /// same beta and gamma make both accurate to second order and unconditionally stable.
-Newmark::Newmark(const Dynamics& how) : how_(how) {
-  if (how.integrator == Dynamics::Integrator::newmark) return;
+Newmark::Newmark(const Dynamics& how, bool at_nodes) : how_(how), at_nodes_(at_nodes) {
+  if (how.integrator == Dynamics::Integrator::newmark) return;  // half and half: no acceleration at t_n is asked for
+  old_ = old_mass_ = 0.0;
   gamma_ = 0.5 - how.alpha;
   beta_ = 0.25 * (1.0 - how.alpha) * (1.0 - how.alpha);
   if (how.integrator == Dynamics::Integrator::hht)
@@ -20,35 +21,91 @@ void Newmark::gather(const Discretisation& d) {
   dimension_ = d.dimension();
   const std::size_t n = d.n_nodes();
   mass_.assign(n, 0.0);
-  gathered_v_.assign(n, Vec3::Zero());
+  momentum_.assign(n, Vec3::Zero());
   gathered_a_.assign(n, Vec3::Zero());
-  d.add_motion(mass_, gathered_v_, gathered_a_);
+  d.add_motion(mass_, momentum_, gathered_a_);
   whole_mass_ = mass_;
   d.halo.add_to_owners(whole_mass_.data(), 1);
   d.halo.copy_to_ghosts(whole_mass_.data(), 1);
-  for (NodalVector* list : {&gathered_v_, &gathered_a_}) *list = project(d, std::move(*list));
+  sum_at_owners(d, momentum_);
+  sum_at_owners(d, gathered_a_);
+  gathered_v_ = project(d, momentum_);
+  gathered_a_ = project(d, gathered_a_);
+}
+
+void Newmark::sum_at_owners(const Discretisation& d, NodalVector& list) const {
+  d.halo.add_to_owners(list.data()->data(), 3);
+}
+
+/// Complete at owned nodes; out: everywhere.
+NodalVector Newmark::over_mass(const Discretisation& d, NodalVector list) const {
+  d.halo.copy_to_ghosts(list.data()->data(), 3);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (whole_mass_[i] > 0.0) list[i] /= whole_mass_[i];
+  return list;
 }
 
 /// Lumped: of order 1. Order k takes k - 1 steps of Richardson's iteration towards the consistent mass (FMPM).   [(19)]
-NodalVector Newmark::project(const Discretisation& d, NodalVector momentum) const {
-  const auto sum = [&](NodalVector& list) { d.halo.add_to_owners(list.data()->data(), 3); };
-  const auto over_mass = [&](NodalVector list) {
-    d.halo.copy_to_ghosts(list.data()->data(), 3);
-    for (std::size_t i = 0; i < list.size(); ++i)
-      if (whole_mass_[i] > 0.0) list[i] /= whole_mass_[i];
-    return list;
-  };
-  sum(momentum);
-  NodalVector v = over_mass(momentum);
+NodalVector Newmark::project(const Discretisation& d, const NodalVector& momentum) const {
+  NodalVector v = over_mass(d, momentum);
   for (int k = 1; k < how_.projection_order; ++k) {
     NodalVector carried(v.size(), Vec3::Zero());
     d.add_inertia(0.0, v, carried, nullptr);
-    sum(carried);
+    sum_at_owners(d, carried);
     for (std::size_t i = 0; i < v.size(); ++i) carried[i] = momentum[i] - carried[i];
-    const NodalVector more = over_mass(std::move(carried));
+    const NodalVector more = over_mass(d, std::move(carried));
     for (std::size_t i = 0; i < v.size(); ++i) v[i] += more[i];
   }
   return v;
+}
+
+/// Points that carry a gradient have the lumped mass's momentum, M_lumped v in one dimension; FEM keeps velocities.
+bool Newmark::fits() const {
+  return how_.mass == Dynamics::Mass::consistent && how_.transfer != Dynamics::Transfer::apic &&
+         how_.projection_order == 1 && !at_nodes_;
+}
+
+/// M v0 = P at the unknowns that are not prescribed, by conjugate gradients from the smooth velocities on, with the lumped
+/// mass as preconditioner. P is in the range of M, so the directions in which M is singular stay as they are.   [(20)]
+void Newmark::fit(const Discretisation& d) {
+  constexpr int most = 500;
+  constexpr double tolerance = 1e-11;
+  const std::size_t n = v0_.size();
+  const auto times_mass = [&](const NodalVector& v) {
+    NodalVector f(n, Vec3::Zero());
+    d.add_inertia(0.0, v, f, nullptr);
+    sum_at_owners(d, f);
+    return f;
+  };
+  const auto dot = [&](const NodalVector& a, const NodalVector& b) {
+    double sum = 0.0;
+    for (int i = 0; i < d.halo.n_owned; ++i) sum += a[i].dot(b[i]);
+    return d.comm().sum(sum);
+  };
+  const auto free_part = [&](NodalVector list) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (int c = 0; c < dimension_; ++c)
+        if (is_fixed(i, c)) list[i][c] = 0.0;
+    return list;
+  };
+  NodalVector r = times_mass(v0_);
+  for (std::size_t i = 0; i < n; ++i) r[i] = momentum_[i] - r[i];
+  r = free_part(std::move(r));
+  NodalVector z = over_mass(d, r), p = z;
+  double rz = dot(r, z);
+  const double enough = tolerance * tolerance * dot(momentum_, over_mass(d, momentum_));
+  for (int k = 0; k < most && rz > enough; ++k) {
+    const NodalVector q = free_part(times_mass(p));
+    const double step = rz / dot(p, q);
+    for (std::size_t i = 0; i < n; ++i) {
+      v0_[i] += step * p[i];
+      r[i] -= step * q[i];
+    }
+    z = over_mass(d, r);
+    const double before = rz;
+    rz = dot(r, z);
+    for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + rz / before * p[i];
+  }
 }
 
 void Newmark::set_acceleration(const NodalVector& force) {
@@ -56,7 +113,7 @@ void Newmark::set_acceleration(const NodalVector& force) {
     gathered_a_[i] = whole_mass_[i] > 0.0 ? Vec3(force[i] / whole_mass_[i]) : Vec3::Zero();
 }
 
-void Newmark::prescribe(double dt, const std::vector<char>& fixed, const std::vector<double>& v0,
+void Newmark::prescribe(const Discretisation& d, double dt, const std::vector<char>& fixed, const std::vector<double>& v0,
                         const std::vector<double>& v1) {
   dt_ = dt;
   fixed_ = &fixed;
@@ -72,43 +129,58 @@ void Newmark::prescribe(double dt, const std::vector<char>& fixed, const std::ve
       v0_[i][c] = v0[k];
       a0_[i][c] = fixed_a_[k];
     }
+  smooth_v0_ = v0_;
+  if (fits()) fit(d);
 }
 
 NodalVector Newmark::guess() const {
   NodalVector du(v0_.size());
-  for (std::size_t i = 0; i < du.size(); ++i) du[i] = dt_ * v0_[i] + 0.5 * dt_ * dt_ * a0_[i];
+  for (std::size_t i = 0; i < du.size(); ++i) du[i] = dt_ * smooth_v0_[i] + 0.5 * dt_ * dt_ * a0_[i];
   return du;
 }
 
+/// Newmark asks for none; what is carried on, for the guess and the error of the next step, is the mean one.
 NodalVector Newmark::acceleration(const NodalVector& du) const {
+  const double by_du = means() ? 2.0 / (dt_ * dt_) : 1.0 / (beta_ * dt_ * dt_),
+               by_a = means() ? 0.0 : 1.0 - 0.5 / beta_;
   NodalVector a(du.size());
   for (std::size_t i = 0; i < du.size(); ++i) {
-    a[i] = (du[i] - dt_ * v0_[i]) / (beta_ * dt_ * dt_) - (0.5 / beta_ - 1.0) * a0_[i];
+    a[i] = by_du * (du[i] - dt_ * v0_[i]) + by_a * a0_[i];
     for (int c = 0; c < dimension_; ++c)
       if (is_fixed(i, c)) a[i][c] = fixed_a_[dimension_ * i + c];
   }
   return a;
 }
 
+/// (5) with (4): without any acceleration where gamma = 2 beta.
 NodalVector Newmark::velocity(const NodalVector& du) const {
-  NodalVector v = acceleration(du);
+  const double by_du = velocity_by_increment(), by_a = dt_ * (1.0 - 0.5 * gamma_ / beta_);
+  NodalVector v(du.size());
   for (std::size_t i = 0; i < du.size(); ++i) {
-    v[i] = v0_[i] + dt_ * ((1.0 - gamma_) * a0_[i] + gamma_ * v[i]);
+    v[i] = v0_[i] + by_du * (du[i] - dt_ * v0_[i]) + by_a * a0_[i];
     for (int c = 0; c < dimension_; ++c)
       if (is_fixed(i, c)) v[i][c] = fixed_v1_[dimension_ * i + c];
   }
   return v;
 }
 
+NodalVector Newmark::weighed_velocity(const NodalVector& du) const {
+  NodalVector v = velocity(du);
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = new_weight() * v[i] + old_weight() * v0_[i];
+  return v;
+}
+
 void Newmark::add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const {
-  const double by_a = (1.0 - old_mass_) / (beta_ * dt_ * dt_),
-               by_v = how_.rayleigh_mass * new_weight() * velocity_by_increment();
-  NodalVector a = acceleration(du);
-  const NodalVector v = velocity(du);
-  for (std::size_t i = 0; i < a.size(); ++i)
-    a[i] = (1.0 - old_mass_) * a[i] + old_mass_ * a0_[i] +
-           how_.rayleigh_mass * (new_weight() * v[i] + old_weight() * v0_[i]);
-  add_mass_times(d, by_a + by_v, a, f, matrix);
+  const double by_du = (1.0 - old_mass_) / (beta_ * dt_ * dt_),
+               by_a = old_mass_ - (1.0 - old_mass_) * (0.5 / beta_ - 1.0);
+  NodalVector a = weighed_velocity(du);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    a[i] *= how_.rayleigh_mass;
+    for (int c = 0; c < dimension_; ++c)
+      a[i][c] += is_fixed(i, c) ? fixed_a_[dimension_ * i + c]
+                                : by_du * (du[i][c] - dt_ * v0_[i][c]) + by_a * a0_[i][c];
+  }
+  add_mass_times(d, by_du + how_.rayleigh_mass * weighed_velocity_by_increment(), a, f, matrix);
   if (how_.local_damping == 0.0) return;
   for (std::size_t i = 0; i < a.size(); ++i)
     for (int c = 0; c < dimension_; ++c) f[i][c] += local_damping(i, c);

@@ -63,7 +63,8 @@ void MpmDiscretisation::commit_motion(const NodalVector& v0, const NodalVector& 
   using Transfer = Dynamics::Transfer;
   const bool apic = how.transfer == Transfer::apic;
   const double flip = how.transfer == Transfer::flip ? 1.0 : how.transfer == Transfer::blend ? how.flip_fraction : 0.0;
-  const double keep = apic ? 1.0 : flip;  // of the acceleration
+  const bool mean = how.integrator == Dynamics::Integrator::newmark;  // a hint for the next step, no state
+  const double keep = mean ? 0.0 : flip;  // of the acceleration
   const int d = dimension();
   for_points([&](std::span<const int> list, int p, const double* s) {
     const int n = static_cast<int>(list.size());
