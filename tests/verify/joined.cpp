@@ -83,23 +83,23 @@ TEST(Joined, BarsInSeries) {
   }
 }
 
-/// Concrete of 3 MPa behind a bar a tenth as stiff: nothing cracks before the whole section carries its strength.
+/// Concrete of 3 MPa behind a bar a tenth as stiff: nothing cracks before the whole section carries its strength. What comes
+/// then snaps back, and the run ends.
 TEST(Joined, ConcreteCracksAtItsStrength) {
   const std::string concrete =
       "[material.stiff]\nlaw = \"rankine\"\ntensile_strength = 3e6\nfracture_energy = 100.0\ndensity = 1000.0\n"
-      "youngs_modulus = 30e9\npoisson_ratio = 0.0\n[solver]\nintegration = \"impl_ex\"\n";
+      "youngs_modulus = 30e9\npoisson_ratio = 0.0\n";
   for (const char* functions : {"linear", "b2gimp"}) {
     Model model(bars(functions, 0.53, elastic("soft", 3e9, 0.0) + concrete, 100));
-    double peak = 0.0, first_damage = 0.0;
+    double peak = 0.0;
     model.run([&](const StepResult&) {
-      peak = std::max(peak, model.step.balance().reactions.boundary[1].x());
-      if (first_damage == 0.0 && model.material().max_damage() > 0.0)
-        first_damage = model.step.balance().reactions.boundary[1].x();
+      const double force = model.step.balance().reactions.boundary[1].x();
+      peak = std::max(peak, force);
+      if (force < 0.98 * 0.3e6 && force == peak) EXPECT_EQ(model.material().max_damage(), 0.0) << functions;
     });
-    EXPECT_NEAR(peak, 0.3e6, 0.03 * 0.3e6) << functions;
-    EXPECT_GT(first_damage, 0.95 * 0.3e6) << functions;
+    EXPECT_NEAR(peak, 0.3e6, 0.01 * 0.3e6) << functions;
     record({group, fmt::format("crack behind a border in a cell, {}: peak load over strength", functions), peak / 0.3e6, "1",
-            "0.03", "closed form"});
+            "0.01", "closed form"});
   }
 }
 
