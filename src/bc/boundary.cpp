@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bc/case_lookup.hpp"
+#include "bc/travel.hpp"
 
 namespace berm {
 
@@ -10,18 +11,20 @@ std::vector<int> fields_of_bodies(const Case& c) {
   std::vector<int> field(c.bodies.size(), 0);
   int n = 0;
   for (const Contact& contact : c.contacts)
-    if (!contact.other.empty())
+    if (!contact.other.empty() && contact.kind != Contact::Kind::tie)
       for (const std::string& name : {contact.body, contact.other})
         if (int& f = field[body_index(c, name)]; f == 0) f = ++n;
   return field;
 }
 
-BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface)
+BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface,
+                                       const std::vector<Joint>& joints)
     : case_(c),
       comm_(d.comm()),
       dimension_(d.dimension()),
       cell_size_(d.cell_size()),
-      rigid_offset_(c.bodies.size(), Vec3::Zero()) {
+      rigid_offset_(c.bodies.size(), Vec3::Zero()),
+      ties_(c, joints, d.cell_size(), d.comm()) {
   read_boundaries(c, d);
   read_pressures(c, surface);
   read_absorbing(c, surface);
@@ -32,6 +35,7 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
   begin_stage(c.stages.empty() ? "" : c.stages.front().name);
   if (comm_.is_root()) return;
   pressures_.clear(), dashpots_.clear(), held_.clear(), contacts_.clear(), rigid_points_.clear(), pins_.clear();
+  ties_.points().clear();
 }
 
 void BoundaryConditions::begin_stage(const std::string& name) {
@@ -44,33 +48,18 @@ void BoundaryConditions::begin_stage(const std::string& name) {
   std::vector<FieldContact> contacts;
   const std::vector<int> field = fields_of_bodies(case_);
   for (const Contact& c : case_.contacts) {
-    if (c.other.empty() || !acts(c.stages)) continue;
+    if (c.other.empty() || c.kind == Contact::Kind::tie || !acts(c.stages)) continue;
     const int a = body_index(case_, c.body), b = body_index(case_, c.other);
     const double youngs = std::min(stiffness_of(case_, a), stiffness_of(case_, b));
     contacts.push_back(
         {std::min(field[a], field[b]), std::max(field[a], field[b]), c.friction, c.stiffness * youngs / cell_size_});
   }
   grid_contact_.set(std::move(contacts));
+  ties_.begin_stage([this](const Stages& stages) { return acts(stages); });
 }
 
 bool BoundaryConditions::acts(const Stages& stages) const {
   return stages.empty() || std::find(stages.begin(), stages.end(), stage_) != stages.end();
-}
-
-template <class Point>
-void BoundaryConditions::travel(std::vector<Point>& points, const Discretisation& d) {
-  std::vector<int> owner;
-  comm_.agree([&] {
-    for (Point& p : points) owner.push_back(d.locate(p.anchor));
-  });
-  const bool leaving = std::any_of(owner.begin(), owner.end(), [&](int rank) { return rank != comm_.rank(); });
-  if (!comm_.any(leaving)) return;
-  std::vector<std::vector<Point>> to(comm_.size());
-  for (std::size_t k = 0; k < points.size(); ++k) to[owner[k]].push_back(points[k]);
-  points = std::move(to[comm_.rank()]);
-  to[comm_.rank()].clear();
-  for (const auto& from : comm_.exchange(to)) points.insert(points.end(), from.begin(), from.end());
-  std::sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.id < b.id; });
 }
 
 void BoundaryConditions::move_anchors(const Discretisation& d) {
@@ -80,6 +69,7 @@ void BoundaryConditions::move_anchors(const Discretisation& d) {
   travel(contacts_, d);
   travel(rigid_points_, d);
   travel(pins_, d);
+  ties_.move(d);
   comm_.agree([&] {
     for (GaugeLine& g : gauges_) {
       g.from_here = d.locate(g.from) == comm_.rank();
@@ -93,6 +83,7 @@ void BoundaryConditions::move_anchors(const Discretisation& d) {
   for (ContactPoint& p : contacts_) anchors_.push_back(&p.anchor);
   for (RigidPoint& p : rigid_points_) anchors_.push_back(&p.anchor);
   for (PinPoint& p : pins_) anchors_.push_back(&p.anchor);
+  for (Anchor& a : ties_.keepers()) anchors_.push_back(&a);
   for (GaugeLine& g : gauges_) {
     if (g.from_here) anchors_.push_back(&g.from);
     if (g.to_here) anchors_.push_back(&g.to);
@@ -141,6 +132,7 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
     if (c.active) add_at(p.anchor, c.force, c.stiffness, f, matrix);
   }
   grid_contact_.add_forces(discretisation, du, f, matrix);
+  ties_.add_forces(du, f, matrix);
   for (const PinPoint& pin : pins_) {
     if (!acts(case_.pins[pin.pin].stages)) continue;
     const Mat3 k = pin.stiffness.asDiagonal();
@@ -175,6 +167,7 @@ void BoundaryConditions::commit(const Discretisation& d, const NodalVector& du, 
   grid_contact_.commit(d, du);
   for (ContactPoint& p : contacts_) p.slip = contact_force(p, du, t0, t1).slip;
   commit_held_surfaces(du, t0, t1);
+  ties_.commit(du);
   if (!inclined_.empty()) {
     std::vector<double> push(inclined_.size(), 0.0);
     for (const LocalInclined& local : local_inclined_) push[local.index] += local.share * push_of(local, du, t0, t1);

@@ -6,6 +6,7 @@
 
 #include "bc/grid_contact.hpp"
 #include "bc/surface.hpp"
+#include "bc/surface_tie.hpp"
 
 namespace berm {
 
@@ -17,7 +18,7 @@ struct Reactions {
   double held_work = 0.0;      ///< of held surfaces in the step [J]
 };
 
-/// Fields of the grid that the bodies of a case need, by body: every body in contact with another deformable one has its
+/// Fields of the grid that the bodies of a case need, by body: every body that can part from another deformable one has its
 /// own, all others share 0.
 std::vector<int> fields_of_bodies(const Case& c);
 
@@ -26,7 +27,8 @@ public:
   /// surfaces: of all deformable bodies. Every process gives all of them; process 0 keeps what is to be followed until
   /// the first move_anchors. Throws InputError if a boundary catches no node, a pressure no surface, a tie no touching
   /// surface.
-  BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surfaces);
+  BoundaryConditions(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surfaces,
+                     const std::vector<Joint>& joints = {});
 
   /// Only what acts in that stage counts from now on.
   void begin_stage(const std::string& name);
@@ -36,6 +38,8 @@ public:
   void move_anchors(const Discretisation& d);
   /// Anchors of this process that must move with the material.
   const std::vector<Anchor*>& anchors() const { return anchors_; }
+  /// Pairs of places that are tied together.
+  const std::vector<AnchorPair*>& pairs() const { return ties_.pairs(); }
 
   /// Which unknowns are prescribed in this step; freezes contact normals and gaps. Collective.
   void begin_step(const Discretisation& d);
@@ -87,9 +91,9 @@ public:
   std::string idle_boundary() const;
 
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
-  /// gauges, 4 inclined boundaries; of all: 5 dashpots, 6 held surfaces.
-  static constexpr int n_kinds = 7;
-  /// id, x, u, F, slip (pins: displacement when they began; held surfaces: what is missing).
+  /// gauges, 4 inclined boundaries; of all: 5 dashpots, 6 held surfaces, 7 the two ends of ties.
+  static constexpr int n_kinds = 8;
+  /// id, x, u, F, slip (pins: displacement when they began; held surfaces: what is missing; ties: gap).
   static constexpr int row_width = 19;
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
@@ -153,8 +157,6 @@ private:
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
   void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
   void read_pins_and_gauges(const Case& c, const Discretisation& d);
-  template <class Point>
-  void travel(std::vector<Point>& points, const Discretisation& d);
   void share_nodes(const Discretisation& d);
   Vec3 rigid_step(int body, double t0, double t1) const;
   /// Does it touch anything in this stage?
@@ -199,6 +201,8 @@ private:
   std::vector<int> moved_by_;  ///< local node -> contact whose rigid body moves it, whatever a boundary says, or -1
   int n_owned_ = 0;
   long n_free_ = 0, connectivity_ = -1;
+
+  SurfaceTies ties_;
 };
 
 }  // namespace berm

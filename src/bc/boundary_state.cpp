@@ -49,6 +49,11 @@ std::vector<double> BoundaryConditions::rows(int kind) const {
     for (const DashpotPoint& p : dashpots_) append_row(rows, p.id, p.anchor);
   if (kind == 6)
     for (const HeldPoint& p : held_) append_row(rows, p.id, p.anchor, p.missing);
+  if (kind == 7)
+    for (const TiePoint& p : ties_.points()) {
+      append_row(rows, 2 * p.id, p.ends.a, p.gap);
+      append_row(rows, 2 * p.id + 1, p.ends.b, p.gap);
+    }
   return rows;
 }
 
@@ -77,6 +82,11 @@ void BoundaryConditions::restore(int kind, const std::vector<double>& rows) {
       if (HeldPoint* p = point_of(held_, id)) {
         restore_anchor(p->anchor, row);
         p->missing = Vec3(row[16], row[17], row[18]);
+      }
+    if (kind == 7)
+      if (TiePoint* p = point_of(ties_.points(), id / 2)) {
+        restore_anchor(id % 2 == 0 ? p->ends.a : p->ends.b, row);
+        p->gap = Vec3(row[16], row[17], row[18]);
       }
   }
 }

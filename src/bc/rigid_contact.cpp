@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.hpp"
 #include "bc/boundary.hpp"
@@ -51,9 +52,14 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
     const double factor = spec.stiffness * stiffness_of(c, body) / cell_size_;
     const double touching = 1e-3 * cell_size_;
     const std::size_t before = contacts_.size();
+    // Chords of a mesh lie beside the shape that was meshed: the place that they stand for counts.
+    std::optional<Region> meshed;
+    if (c.method == Method::fem && spec.kind == Contact::Kind::tie && c.bodies[body].shape)
+      meshed.emplace(*c.bodies[body].shape, cell_size_);
     for (const SurfacePoint& s : surface) {
       if (s.body != body) continue;
-      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(s.X).distance) > touching) continue;
+      const Vec3 x = meshed ? meshed->nearest(s.X).point : s.X;
+      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(x).distance) > touching) continue;
       ContactPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(contacts_.size());

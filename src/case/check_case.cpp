@@ -124,7 +124,8 @@ private:
         continue;
       }
       refer_body(scope, "other", contact.other, false);
-      if (c_.method == Method::fem) scope.error("other", "needs a background grid (method \"mpm\")");
+      if (c_.method == Method::fem && contact.kind != Contact::Kind::tie)
+        scope.error("other", "needs a background grid (method \"mpm\") unless kind = \"tie\"");
     }
   }
 

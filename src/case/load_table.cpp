@@ -178,11 +178,11 @@ Table<Absorbing> absorbing_table() {
 Table<Contact> contact_table() {
   using Kind = Contact::Kind;
   Table<Contact> t(
-      "A deformable body's surface against a rigid body, or against another deformable one (mpm), from which it then can "
-      "part. One of `rigid` and `other`.");
+      "A deformable body's surface against a rigid body, or against another deformable one: tied to it, or (mpm) able to "
+      "part from it. One of `rigid` and `other`. Deformable bodies that touch at the start and have no contact stay together.");
   t.string("body", &Contact::body, "name of a deformable body", "the body").required();
   t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches");
-  t.string("other", &Contact::other, "name of a deformable body", "what it touches, with kind friction or frictionless");
+  t.string("other", &Contact::other, "name of a deformable body", "what it touches, with kind tie, friction or frictionless");
   t.choice("kind", &Contact::kind,
            std::vector<std::pair<std::string, Kind>>{{"tie", Kind::tie},
                                                      {"no_slip", Kind::no_slip},
@@ -198,19 +198,20 @@ Table<Contact> contact_table() {
       .required();
   t.only([](const Scope&, const Contact& c) { return c.kind == Kind::friction; }, "with kind = \"friction\"");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
-           "penalty in units of Young's modulus over cell size (default: tie 1000, what can open 100: what gives way "
-           "is a hundredth of what a cell does; between deformable bodies 1: the force is carried from step to step, so that it "
-           "need not be stiff)")
+           "penalty in units of Young's modulus over cell size (default: tie 1000, what can open 100: what gives way is a "
+           "hundredth of what a cell does; between deformable bodies that of the softer one, 500 for a tie, else 1: the force is "
+           "carried from step to step, so that it need not be stiff)")
       .no_default();
   add_stages(t);
   t.check([](Scope& s, Contact& c) {
     s.exactly_one({"rigid", "other"});
     if (!s.has("stiffness")) {
-      c.stiffness = !c.other.empty() ? 1.0 : c.kind == Kind::tie ? 1000.0 : 100.0;
+      const bool tied = c.kind == Kind::tie;
+      c.stiffness = c.other.empty() ? (tied ? 1000.0 : 100.0) : (tied ? 500.0 : 1.0);
       s.node.set("stiffness", Node(c.stiffness, s.place));
     }
-    if (!c.other.empty() && c.kind != Kind::friction && c.kind != Kind::frictionless)
-      s.error("kind", "must be \"friction\" or \"frictionless\" between two deformable bodies");
+    if (!c.other.empty() && (c.kind == Kind::no_slip || c.kind == Kind::shared_nodes))
+      s.error("kind", "must be \"tie\", \"friction\" or \"frictionless\" between two deformable bodies");
     if (c.other == c.body) s.error("other", "must not be the body itself");
   });
   return t;

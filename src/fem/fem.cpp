@@ -143,12 +143,15 @@ void FemDiscretisation::build_points() {
   }
 }
 
-/// Local nodes and blocks, for the whole run.
+/// Local nodes and blocks, until other pairs have to be tied: nodes that this process owns stay as they are.
 void FemDiscretisation::number_nodes() {
   ++connectivity;
   std::vector<std::int64_t> touched;
   for (int e : elements_)
     for (int node : mesh_.nodes_of_cell(e)) touched.push_back(node);
+  for (const auto& [a, b] : tied_)
+    for (const int e : {a, b})
+      for (int node : mesh_.nodes_of_cell(e)) touched.push_back(node);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   halo = build_halo(comm_, touched, [&](std::int64_t id) { return partition_.owner(mesh_.nodes[id]); });
@@ -158,13 +161,24 @@ void FemDiscretisation::number_nodes() {
     local[halo.ids[i]] = i;
     nodes.push_back(mesh_.nodes[halo.ids[i]]);
   }
-  for (const auto list : state_) (this->*list).assign(nodes.size(), Vec3::Zero());
+  for (const auto list : state_) {
+    (this->*list).resize(nodes.size(), Vec3::Zero());
+    halo.copy_to_ghosts(reinterpret_cast<double*>((this->*list).data()), 3);
+  }
   blocks = Blocks{};
-  std::array<int, fem::most_nodes> list;
+  std::vector<int> list;
+  const auto append = [&](int e) {
+    for (int node : mesh_.nodes_of_cell(e)) list.push_back(local[node]);
+  };
   for (int e : elements_) {
-    const auto nodes_here = mesh_.nodes_of_cell(e);
-    std::transform(nodes_here.begin(), nodes_here.end(), list.begin(), [&](int node) { return local[node]; });
-    blocks.add({list.data(), nodes_here.size()});
+    list.clear();
+    append(e);
+    blocks.add(list);
+  }
+  for (const auto& [a, b] : tied_) {
+    list.clear();
+    append(a), append(b);
+    blocks.add(list);
   }
 }
 
@@ -329,12 +343,27 @@ void FemDiscretisation::attach(Anchor& a, Stencil& s) const {
   const auto found = std::lower_bound(elements_.begin(), elements_.end(), a.cell);
   if (found == elements_.end() || *found != a.cell)
     throw RunError(fmt::format("element {} belongs to another process than its anchor", a.cell));
-  const int block = static_cast<int>(found - elements_.begin());
-  const std::span<const int> list = blocks[block];
+  a.block = static_cast<int>(found - elements_.begin());
+  attach(a, blocks[a.block], s);
+}
+
+void FemDiscretisation::attach_pairs() {
+  pair_stencils_.resize(2 * pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    AnchorPair& pair = *pairs_[k];
+    const auto found = std::lower_bound(tied_.begin(), tied_.end(), std::pair(pair.a.cell, pair.b.cell));
+    pair.block = static_cast<int>(elements_.size()) + static_cast<int>(found - tied_.begin());
+    const std::span<const int> list = blocks[pair.block];
+    const std::size_t n = mesh_.nodes_of_cell(pair.a.cell).size();
+    attach(pair.a, list.first(n), pair_stencils_[2 * k]);
+    attach(pair.b, list.subspan(n), pair_stencils_[2 * k + 1]);
+  }
+}
+
+void FemDiscretisation::attach(Anchor& a, std::span<const int> list, Stencil& s) const {
   Vec3 xi;
   fem::local_coordinates(mesh_, a.cell, a.X, xi);
   const fem::ElementShape shape = fem::element_shape(mesh_.kinds[a.cell], xi);
-  a.block = block;
   a.stencil = &s;
   s.resize(shape.n);
   std::copy_n(shape.N.begin(), shape.n, s.N.begin());
@@ -350,9 +379,18 @@ void FemDiscretisation::attach(Anchor& a, Stencil& s) const {
 }
 
 void FemDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
+  std::vector<std::pair<int, int>> tied;
+  for (const AnchorPair* pair : pairs_) tied.emplace_back(pair->a.cell, pair->b.cell);
+  std::sort(tied.begin(), tied.end());
+  tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
+  if (comm_.any(tied != tied_)) {
+    tied_ = std::move(tied);
+    number_nodes();
+  }
   comm_.agree([&] {
     anchor_stencils_.resize(anchors.size());
     for (std::size_t k = 0; k < anchors.size(); ++k) attach(*anchors[k], anchor_stencils_[k]);
+    attach_pairs();
   });
 }
 

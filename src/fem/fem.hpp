@@ -31,6 +31,7 @@ public:
   /// extended.
   int locate(Anchor& anchor) const override;
   void begin_step(const std::vector<Anchor*>& anchors) override;
+  void set_pairs(std::vector<AnchorPair*> pairs) override { pairs_ = std::move(pairs); }
   Status evaluate(const NodalVector& du, const LawSettings& settings) override;
   void add_internal_force(NodalVector& f) const override;
   void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const override;
@@ -101,7 +102,10 @@ private:
   int find_element(const BodyMesh& body, const Anchor& anchor) const;
   int walk_to(const BodyMesh& body, int start, const Vec3& x) const;
   int search(const BodyMesh& body, const Vec3& x) const;
+  /// The functions of the anchor's element; its nodes are those of `local`.
+  void attach(Anchor& anchor, std::span<const int> local, Stencil& stencil) const;
   void attach(Anchor& anchor, Stencil& stencil) const;
+  void attach_pairs();
 
   /// Calls work(ElementType, k) for every element k of this process.
   template <class Work>
@@ -137,6 +141,10 @@ private:
   NodalVector u_before_;         ///< displacement that is not counted
   static constexpr std::array state_ = {&FemDiscretisation::u_, &FemDiscretisation::v_, &FemDiscretisation::a_,
                                         &FemDiscretisation::u_before_};
+
+  std::vector<AnchorPair*> pairs_;
+  std::vector<std::pair<int, int>> tied_;  ///< their elements, ascending; their blocks follow the elements'
+  std::vector<Stencil> pair_stencils_;     ///< of the two ends of each pair
 };
 
 }  // namespace berm

@@ -181,11 +181,13 @@ void FemDiscretisation::add_body_force(const std::function<Vec3(int body, const 
 void FemDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>& anchors) {
   material.commit();
   for (std::size_t i = 0; i < u_.size(); ++i) u_[i] += du[i];
-  for (Anchor* a : anchors) {
-    if (kinematics_ == Kinematics::finite) a->F = a->trial_F(du);
-    a->u = a->stencil->interpolate(u_);
-    if (kinematics_ == Kinematics::finite) a->x = a->X + a->u;
-  }
+  const auto carry = [&](Anchor& a) {
+    if (kinematics_ == Kinematics::finite) a.F = a.trial_F(du);
+    a.u = a.stencil->interpolate(u_);
+    if (kinematics_ == Kinematics::finite) a.x = a.X + a.u;
+  };
+  for (Anchor* a : anchors) carry(*a);
+  for (AnchorPair* pair : pairs_) carry(pair->a), carry(pair->b);
 }
 
 // ---- output

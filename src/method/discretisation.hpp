@@ -48,6 +48,13 @@ struct Anchor {
   }
 };
 
+/// Two places at which two bodies push at each other: one block has the nodes of both, those of `a` first. The process that
+/// owns the cell of `a` has the pair; the cell of `b` may be another's, which then keeps it in use.
+struct AnchorPair {
+  Anchor a, b;
+  int block = -1;  ///< of the step
+};
+
 /// A place of the grid where two fields have a node each: there their bodies may touch.   [contact (1) - (3)]
 struct Interface {
   int field_a = 0, field_b = 0;  ///< a < b
@@ -96,7 +103,7 @@ public:
   /// Finds an anchor's cell and returns the process that owns it. Throws RunError if it lies outside.
   virtual int locate(Anchor& anchor) const = 0;
   /// Fixes the connectivity of the coming step: cells of points and of this process's anchors, local nodes, blocks,
-  /// stencils. It stays as it is until the next begin_step. Collective.
+  /// stencils, those of the pairs too. It stays as it is until the next begin_step. Collective.
   virtual void begin_step(const std::vector<Anchor*>& anchors) = 0;
 
   /// Trial state for the increment du of the step.
@@ -129,7 +136,7 @@ public:
   /// Displacements of points count from the present state.
   virtual void reset_displacements() = 0;
 
-  /// The trial state becomes the state; points and anchors move.
+  /// The trial state becomes the state; points, anchors and both ends of the pairs move.
   virtual void commit(const NodalVector& du, const std::vector<Anchor*>& anchors) = 0;
 
   /// For output: ids, positions, displacements and velocities of this process's integration points.
@@ -153,6 +160,9 @@ public:
   static constexpr int node_width = 12;
   virtual std::vector<double> node_state() const { return {}; }
   virtual void restore_nodes(const std::vector<std::int64_t>&, const std::vector<double>&) {}
+
+  /// Pairs of this process from the next begin_step on.
+  virtual void set_pairs(std::vector<AnchorPair*> /*pairs*/) {}
 
   Halo halo;                ///< the local nodes of this step
   std::vector<Vec3> nodes;  ///< positions of the local nodes at reference

@@ -125,6 +125,15 @@ void check_mixed_grid(const Case& c, const Mesh& grid) {
     throw InputError(std::string("[model] volumetric = \"mixed\" ") + mixed_on_moving_simplices);
 }
 
+/// Whether the grid's functions change alike on both sides of a surface: within a cell, and at its edges if they are smooth.
+bool in_one_cell(const MpmDiscretisation& mpm, const SurfacePoint& s) {
+  if (mpm.degree() > 1) return true;
+  Anchor inside = anchor_at(s.body, s.X, s.normal), outside = anchor_at(s.body, s.X, -s.normal);
+  mpm.locate(inside);
+  mpm.locate(outside);
+  return inside.cell == outside.cell;
+}
+
 void build_mpm(World& w) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
@@ -133,8 +142,6 @@ void build_mpm(World& w) {
   const double ghost_penalty = c.solver.ghost_penalty.value_or(default_ghost_penalty(functions));
   auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, ghost_penalty, c.formulation, w.comm, c.volumetric,
                                                  functions);
-  const std::vector<int> field = fields_of_bodies(c);
-  mpm->set_fields(field, 1 + (field.empty() ? 0 : *std::max_element(field.begin(), field.end())));
   // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
   std::optional<Grid> boxes;
   if (const auto* structure = mpm->grid().structure.get();
@@ -178,7 +185,10 @@ void build_mpm(World& w) {
     summary.points = static_cast<int>(points.x.size());
     w.bodies.push_back(summary);
   }
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, surface);
+  w.joints = find_joints(c, surface, h);
+  w.layers = layers_of_bodies(c, w.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
+  mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
+  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, surface, w.joints);
   w.discretisation = std::move(mpm);
 }
 
@@ -206,7 +216,8 @@ void build_fem(World& w) {
   }
   for (const Body& body : c.bodies)
     if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, surface);
+  w.joints = find_joints(c, surface, fem->cell_size());
+  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, surface, w.joints);
   w.discretisation = std::move(fem);
 }
 
@@ -223,8 +234,10 @@ std::string bodies_of_field(const Case& c, const std::vector<int>& field, int wa
 /// them apart. Collective.
 void warn_of_missing_contacts(World& w) {
   const Case& c = w.spec;
-  const std::vector<int> field = fields_of_bodies(c);
+  if (c.method == Method::fem) return;
+  const std::vector<int>& field = w.layers;
   std::set<std::pair<int, int>> kept_apart, meet;
+  for (const Joint& j : w.joints) kept_apart.insert(std::minmax(field[j.body], field[j.other]));
   for (const Contact& contact : c.contacts) {
     if (contact.other.empty()) continue;
     const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];
@@ -324,9 +337,10 @@ const char* space_text(Space space) {
 void World::begin_step() {
   discretisation->move_points(spec.parallel.rebalance);
   boundary->move_anchors(*discretisation);
+  discretisation->set_pairs(boundary->pairs());
   discretisation->begin_step(boundary->anchors());
   boundary->begin_step(*discretisation);
-  discretisation->look_at_interfaces(boundary->fixed());
+  if (!boundary->grid_contact().empty()) discretisation->look_at_interfaces(boundary->fixed());
   step_begun = true;
 }
 
@@ -370,8 +384,13 @@ std::string describe(const World& w) {
     line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)
                  : fmt::format("  body {:<12} {:.6g} {}, {:.6g} kg, {} points{}", b.name, b.measure, unit, b.mass,
                                b.points, b.elements ? fmt::format(", {} elements", b.elements) : ""));
+  for (const Joint& j : w.joints)
+    line(fmt::format("  joined            \"{}\" and \"{}\" where they touch ({:.3g} m2), {}", w.spec.bodies[j.body].name,
+                     w.spec.bodies[j.other].name, j.area(),
+                     j.shared_nodes ? "by the nodes of the grid that they share" : "by a tie on their surface"));
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
-  const long cells = w.comm.sum(mpm ? long(mpm->active_cells().size()) : long(d.blocks.size()));
+  const auto* fem = dynamic_cast<const FemDiscretisation*>(&d);
+  const long cells = w.comm.sum(mpm ? long(mpm->active_cells().size()) : long(fem->elements().size()));
   const long points = w.n_points(), unknowns = w.boundary->n_free();
   line(fmt::format("  cells             {} in use, {:.2f} points each", cells, double(points) / cells));
   line(fmt::format("  cell size         {:.6g} m", d.cell_size()));

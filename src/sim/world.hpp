@@ -33,6 +33,9 @@ struct World {
   const Stage& present_stage() const { return spec.stages[stage]; }
   bool step_begun = false;     ///< begin_step has been called for the state at t_n
 
+  std::vector<Joint> joints;  ///< of deformable bodies that touch at the start
+  std::vector<int> layers;    ///< of the grid's nodes, by body; mpm
+
   /// Points and anchors find cells and processes; connectivity and prescribed unknowns of the coming step. Collective.
   void begin_step();
   /// Of all processes [J]. Collective.

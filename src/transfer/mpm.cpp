@@ -509,13 +509,15 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
       }
     }
   });
-  for (Anchor* a : anchors) {
-    const Vec3 step = a->stencil->interpolate(du);
-    a->u += step;
-    if (!move) continue;
-    a->F = a->trial_F(du);
-    a->x += step;
-  }
+  const auto carry = [&](Anchor& a) {
+    const Vec3 step = a.stencil->interpolate(du);
+    a.u += step;
+    if (!move) return;
+    a.F = a.trial_F(du);
+    a.x += step;
+  };
+  for (Anchor* a : anchors) carry(*a);
+  for (AnchorPair* pair : pairs_) carry(pair->a), carry(pair->b);
 }
 
 }  // namespace berm

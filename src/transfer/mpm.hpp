@@ -38,7 +38,7 @@ public:
                 double thickness);
 
   /// Bodies of different fields have nodes and cells of their own in the same grid, so that they can part and slide: a
-  /// *layered* cell or node has the number of the grid's one plus field times how many there are. Before add_body.
+  /// *layered* cell or node has the number of the grid's one plus field times how many there are. Before the first step.
   void set_fields(std::vector<int> field_of_body, int n_fields);
   int n_fields() const override { return n_fields_; }
   const std::vector<Interface>& interfaces() const override { return interfaces_; }
@@ -50,6 +50,7 @@ public:
   void move_points(double rebalance) override;
   int locate(Anchor& anchor) const override;
   void begin_step(const std::vector<Anchor*>& anchors) override;
+  void set_pairs(std::vector<AnchorPair*> pairs) override { pairs_ = std::move(pairs); }
   Status evaluate(const NodalVector& du, const LawSettings& settings) override;
   void add_internal_force(NodalVector& f) const override;
   void add_tangent(const LawSettings& settings, BlockAssembler& matrix) const override;
@@ -150,6 +151,9 @@ private:
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
   void number_nodes();
   void attach(const std::vector<Anchor*>& anchors);
+  void attach(int layered, Anchor& anchor, Stencil& stencil) const;
+  std::pair<int, int> cells_of(const AnchorPair& pair) const;
+  void attach_pairs();
   // domains of points (mpm_domains.cpp)
   void look_at_domains(const std::vector<Anchor*>& anchors);
   Cover cover_of(int p, BasisAt& shape) const;
@@ -318,6 +322,10 @@ private:
   std::vector<int> numbered_cells_, numbered_anchors_, numbered_filled_;
   std::vector<std::pair<int, int>> numbered_faces_;
   bool numbered_ = false;
+
+  std::vector<AnchorPair*> pairs_;
+  std::vector<std::pair<int, int>> numbered_pairs_;  ///< layered cells of pairs, ascending; their blocks are the last ones
+  std::vector<Stencil> pair_stencils_;               ///< of the two ends of each pair
 };
 
 template <int dimension, bool hoop, int n, class Components, class Row>

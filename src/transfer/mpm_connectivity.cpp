@@ -33,6 +33,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   if (f_bar_) group_points();
   if (mixed_) look_up_elasticity();
   attach(anchors);
+  attach_pairs();
 }
 
 /// How many faces away from an anchor's cell one that carries it is looked for.
@@ -374,21 +375,26 @@ MpmDiscretisation::Face MpmDiscretisation::make_face(int cell_a, int local, int 
 
 /// Local nodes and blocks, unless cells and faces are the same as in the last step on all processes.
 void MpmDiscretisation::number_nodes() {
-  std::vector<std::pair<int, int>> pairs;
+  std::vector<std::pair<int, int>> faces;
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     faces_[f].block = n_patches() + static_cast<int>(f);
-    pairs.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
+    faces.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
   }
+  std::vector<std::pair<int, int>> tied;
+  for (const AnchorPair* pair : pairs_) tied.push_back(cells_of(*pair));
+  std::sort(tied.begin(), tied.end());
+  tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
   std::vector<int> filled = mixed_ ? filled_cells() : std::vector<int>{};
   first_anchor_block_ = n_patches() + static_cast<int>(faces_.size());
   if (comm_.all(numbered_ && patch_nodes_ == numbered_patches_ && active_cells_ == numbered_cells_ &&
-                anchor_cells_ == numbered_anchors_ && filled == numbered_filled_ && pairs == numbered_faces_))
+                anchor_cells_ == numbered_anchors_ && filled == numbered_filled_ && faces == numbered_faces_ && tied == numbered_pairs_))
     return;
   numbered_patches_ = patch_nodes_;
   numbered_anchors_ = anchor_cells_;
   numbered_cells_ = active_cells_;
   numbered_filled_ = std::move(filled);
-  numbered_faces_ = std::move(pairs);
+  numbered_faces_ = std::move(faces);
+  numbered_pairs_ = std::move(tied);
   numbered_ = true;
   ++connectivity;
 
@@ -402,6 +408,9 @@ void MpmDiscretisation::number_nodes() {
     for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (const Face& f : faces_)
     for (int node : f.node) touched[layered_node(node, f.cell_a)] = 1;
+  for (const auto& [a, b] : numbered_pairs_)
+    for (const int c : {a, b})
+      for (int node : basis_.nodes_of(grid_cell(c))) touched[layered_node(node, c)] = 1;
   for (int a : numbered_filled_)
     for (int node : basis_.nodes_of(grid_cell(active_cells_[a])))
       touched[layered_node(node, active_cells_[a]) + n_fields_ * layer] = 1;  // its pressure
@@ -432,32 +441,60 @@ void MpmDiscretisation::number_nodes() {
   for (int c : anchor_cells_) add_block(basis_.nodes_of(grid_cell(c)), c);
   add_pressure_blocks();
   pair_nodes();
+  for (const auto& [a, b] : numbered_pairs_) {
+    list.clear();
+    for (const int c : {a, b})
+      for (int node : basis_.nodes_of(grid_cell(c))) list.push_back(local_node_[layered_node(node, c)]);
+    blocks.add(list);
+  }
+}
+
+/// The functions of the grid at an anchor, whoever owns its cell.
+void MpmDiscretisation::attach(int layered, Anchor& a, Stencil& s) const {
+  BasisAt shape;
+  basis_.evaluate(grid_cell(layered), seen(a), shape);
+  const int layer = field_of(layered) * basis_.n_nodes();
+  s.resize(shape.n);
+  for (int k = 0; k < shape.n; ++k) {
+    s.node[k] = local_node_[shape.nodes[k] + layer];
+    s.N[k] = shape.N[k];
+    s.gradient[k] = shape.grad[k];
+    if (space_ == Space::axisymmetric) {
+      const double r = seen(a).x();
+      s.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
+    }
+  }
+  a.stencil = &s;
+  a.by_reference = total_lagrangian_;
 }
 
 void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
   anchor_stencils_.resize(anchors.size());
-  BasisAt shape;
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     Anchor& a = *anchors[i];
-    Stencil& s = anchor_stencils_[i];
     const int layered = carrier_[i];
-    basis_.evaluate(grid_cell(layered), seen(a), shape);
-    s.resize(shape.n);
-    for (int k = 0; k < shape.n; ++k) {
-      s.node[k] = local_node_[shape.nodes[k] + field_of(layered) * basis_.n_nodes()];
-      s.N[k] = shape.N[k];
-      s.gradient[k] = shape.grad[k];
-      if (space_ == Space::axisymmetric) {
-        const double r = seen(a).x();
-        s.hoop[k] = r > 1e-9 * cell_size_ ? shape.N[k] / r : shape.grad[k].x();
-      }
-    }
+    attach(layered, a, anchor_stencils_[i]);
     const auto own = std::lower_bound(anchor_cells_.begin(), anchor_cells_.end(), layered);
     a.block = own == anchor_cells_.end() || *own != layered
                   ? active_index_[layered]
                   : first_anchor_block_ + static_cast<int>(own - anchor_cells_.begin());
-    a.stencil = &s;
-    a.by_reference = total_lagrangian_;
+  }
+}
+
+/// Layered.
+std::pair<int, int> MpmDiscretisation::cells_of(const AnchorPair& pair) const {
+  return {layered_cell(pair.a.cell, pair.a.body), layered_cell(pair.b.cell, pair.b.body)};
+}
+
+void MpmDiscretisation::attach_pairs() {
+  pair_stencils_.resize(2 * pairs_.size());
+  const int first_block = blocks.size() - static_cast<int>(numbered_pairs_.size());
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const std::pair<int, int> own = cells_of(*pairs_[i]);
+    attach(own.first, pairs_[i]->a, pair_stencils_[2 * i]);
+    attach(own.second, pairs_[i]->b, pair_stencils_[2 * i + 1]);
+    const auto cells = std::lower_bound(numbered_pairs_.begin(), numbered_pairs_.end(), own);
+    pairs_[i]->block = first_block + static_cast<int>(cells - numbered_pairs_.begin());
   }
 }
 

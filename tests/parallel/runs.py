@@ -676,6 +676,42 @@ count = 40
 """
 
 # Three blocks in a row: two in contact, the third left out.
+# Two bodies with their border inside cells, which fly through the grid, turn and swing.
+JOINED = """
+[model]
+plane = "strain"
+[grid]
+origin = [0.0, 0.0]
+cell_size = 0.1
+cells = [24, 12]
+[material.hard]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.2
+[material.soft]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "0.1 MPa"
+poisson_ratio = 0.2
+[body.left]
+material = "hard"
+shape.polygon = [[0.3, 0.3], [0.72, 0.3], [0.65, 0.8], [0.3, 0.8]]
+velocity = [4.0, "x - 0.7"]
+mesh = { kind = "quads", size = 0.1 }
+[body.right]
+material = "soft"
+shape.polygon = [[0.72, 0.3], [1.1, 0.3], [1.1, 0.8], [0.65, 0.8]]
+velocity = [4.0, "x - 0.7"]
+mesh = { kind = "quads", size = 0.08 }
+[steps]
+analysis = "dynamic"
+duration = 0.1
+count = 50
+[output]
+frames = 4
+"""
+
 THREE = """
 [model]
 [grid]
@@ -694,7 +730,7 @@ material = "stone"
 shape.box = { min = [0.4, 0.0], max = [0.8, 0.4] }
 [body.right]
 material = "stone"
-shape.box = { min = [0.8, 0.0], max = [1.2, 0.4] }
+shape.box = { min = [0.85, 0.0], max = [1.2, 0.4] }
 [boundary.base]
 where.box.max = [10.0, 1e-6]
 ux = 0.0
@@ -723,6 +759,7 @@ TEXT = {
     "sliding": SLIDING,
     "inclined": INCLINED,
     "slump": SLUMP,
+    "joined": JOINED,
     "three": THREE,
 }
 FINITE = ["model.kinematics=finite", "model.formulation=updated_lagrangian"]
@@ -950,6 +987,10 @@ class AnyNumberOfProcesses(Case):
     def test_bodies_on_each_other(self):
         self.same("stacked", history=1e-5, points=1e-5)
 
+    def test_bodies_that_stay_together(self):
+        self.same("joined", history=1e-7, points=1e-7)
+        self.same("joined", ["method=fem"], history=1e-7, points=1e-7, counts=(2,))
+
     def test_motion_fem(self):
         mesh = 'body.block.mesh={ kind = "quads", size = 0.1, structured = true, order = 2 }'
         self.same("thrown", ["method=fem", mesh], history=1e-7, points=1e-7, counts=(2,))
@@ -1090,6 +1131,10 @@ class Continued(Case):
 
     def test_bodies_on_each_other(self):
         self.goes_on("stacked", 2, 1, history=1e-5, points=1e-5, steps=80)
+
+    def test_bodies_that_stay_together(self):
+        self.goes_on("joined", 2, 1, history=1e-7, points=1e-7, steps=22)
+        self.goes_on("joined", 1, 2, ["method=fem"], history=1e-7, points=1e-7, steps=22)
 
     def test_motion_in_a_later_stage(self):
         self.goes_on("thrown", 1, 2, history=1e-7, points=1e-7, steps=80)
