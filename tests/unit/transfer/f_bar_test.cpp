@@ -188,6 +188,66 @@ TEST(FBar, TrianglesAmongQuads) {
   }
 }
 
+/// Points whose domains cover several cells: boxes of linear functions and of quadratic B-splines, parallelograms.
+template <class Work>
+void for_all_domains(Work work) {
+  using Domain = ShapeChoice::Domain;
+  for_all_models([&](Space space, Kinematics kinematics, Formulation formulation) {
+    const bool follows = kinematics == Kinematics::finite && formulation == Formulation::updated_lagrangian;
+    for (const ShapeChoice& shapes : {ShapeChoice{1, Domain::box, follows}, ShapeChoice{2, Domain::box, follows},
+                                      ShapeChoice{1, Domain::parallelepiped, follows}}) {
+      if (space == Space::solid && shapes.degree == 2) continue;  // as in the plane
+      SCOPED_TRACE(testing::Message() << "degree " << shapes.degree << ", domain " << int(shapes.domain));
+      const GridKind kind = space == Space::solid ? GridKind::hexahedra : GridKind::quads;
+      const auto mpm = std::make_unique<MpmDiscretisation>(grid_of(space, kind), space, 0.0, formulation, Comm{},
+                                                           Volumetric::f_bar, shapes);
+      PointSeeding seeding;
+      seeding.placement = PointSeeding::Placement::uniform;
+      add_block(*mpm, space, 0, elastic(), 0.37, cells - 0.57, seeding);
+      mpm->move_points(1.2);
+      mpm->begin_step({});
+      work(*mpm, space, kinematics);
+    }
+  });
+}
+
+TEST(FBar, TangentIsTheDerivativeOfTheForceWithDomains) {
+  Random random;
+  for_all_domains([&](MpmDiscretisation& mpm, Space space, Kinematics kinematics) {
+    const LawSettings settings = settings_of(space, kinematics);
+    const double size = size_of(kinematics);
+    for (int step = 0; step < 2; ++step) {
+      const NodalVector du = random(mpm, size);
+      force(mpm, du, settings);
+      const Eigen::MatrixXd K = tangent(mpm, settings);
+      const Eigen::MatrixXd numerical = numerical_tangent(mpm, du, settings, 1e-6 * size);
+      EXPECT_LT((K - numerical).norm(), 1e-6 * K.norm()) << "step " << step;
+      accept(mpm, du, settings);
+    }
+  });
+}
+
+/// The points of a patch share their dilatation, and patches hold several: with one point each nothing would be averaged.
+TEST(FBar, DilatationIsUniformInAPatchOfDomains) {
+  Random random;
+  for_all_domains([&](MpmDiscretisation& mpm, Space space, Kinematics kinematics) {
+    force(mpm, random(mpm, size_of(kinematics)), settings_of(space, kinematics));
+    int most = 0, all = 0;
+    for (int a = 0; a < mpm.n_patches(); ++a) {
+      const auto points = mpm.points_in(a);
+      const auto dilatation = [&](int p) {
+        const Mat3& F = mpm.material.trial_F[p];
+        return kinematics == Kinematics::small ? F.trace() - 3.0 : F.determinant();
+      };
+      for (const int p : points) EXPECT_NEAR(dilatation(p), dilatation(points[0]), 1e-13);
+      most = std::max(most, static_cast<int>(points.size()));
+      all += static_cast<int>(points.size());
+    }
+    EXPECT_GE(most, 1 << mpm.dimension());
+    EXPECT_EQ(all, mpm.material.size());
+  });
+}
+
 TEST(FBar, TrianglesAloneAreRefused) {
   try {
     MpmDiscretisation(grid_of(Space::plane_strain, GridKind::union_jack), Space::plane_strain, 0.0,

@@ -1,0 +1,183 @@
+/// Everyday problems as somebody poses them who knows no option: only the defaults decide how they are computed.
+/// [docs/adr/0016, docs/defaults.md]
+
+#include <cmath>
+
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+/// Force of the first boundary (or rigid body) with that name on the material.
+Vec3 support_force(const Model& m, const std::string& name) {
+  const Case& c = m.world->spec;
+  for (std::size_t b = 0; b < c.boundaries.size(); ++b)
+    if (c.boundaries[b].name == name) return m.step.balance().reactions.boundary[b];
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    if (c.bodies[b].name == name) return m.step.balance().reactions.rigid[b];
+  ADD_FAILURE() << "no support " << name;
+  return Vec3::Zero();
+}
+
+const std::string squeezed_block = R"(
+model.plane = "stress"
+grid = { origin = [-0.1, 0.0], cell_size = 0.1, cells = [12, 11] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e9
+poisson_ratio = 0.0
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[boundary.base]
+where.box = { max = [1e3, 1e-6] }
+uy = 0.0
+[pin.p]
+body = "b"
+at = [0.5, 0.0]
+fix = "x"
+[boundary.top]
+body = "b"
+where.box = { min = [-1e3, 0.999] }
+uy = -0.1
+[steps]
+count = 10
+)";
+
+/// Linear functions lose a third of the force when points cross cells: Hencky's law, E ln(l) / l.
+TEST(Defaults, SqueezedBlock) {
+  Model m(case_by_default(squeezed_block));
+  ASSERT_TRUE(m.run());
+  const double expected = 1e9 * std::log(0.9) / 0.9, force = support_force(m, "top").y();
+  record({"Defaults", "block squeezed by 10 %, force [N]", force, "E ln(0.9) / 0.9", "1 %", "closed form"});
+  EXPECT_LT(relative(force, expected), 0.01);
+}
+
+const std::string pressed_block = R"(
+[grid]
+cell_size = 0.005
+cells = [16, 22]
+[material.m]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = "20 MPa"
+poisson_ratio = 0.3
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [0.05, 0.1] }
+[body.platen]
+rigid = true
+shape.box = { min = [-0.01, 0.1], max = [0.07, 0.105] }
+displacement = [0.0, -0.005]
+[contact.top]
+body = "b"
+rigid = "platen"
+kind = "frictionless"
+[boundary.axis]
+where.box.max = [1e-6, 1.0]
+ux = 0.0
+[boundary.base]
+where.box.max = [1.0, 1e-6]
+uy = 0.0
+[steps]
+count = 20
+)";
+
+/// The surface stays in its cell when the topmost points leave it: what it feels belongs to the cells that carry.
+TEST(Defaults, PressedBlock) {
+  // Force per width at the start; the sides swell by the root of 1 / 0.95^(nu / (1 - nu)) in plane strain.
+  const double expected = 20e6 / (1.0 - 0.09) * std::log(1.0 / 0.95) / 0.95;
+  Model m(case_by_default(pressed_block));
+  ASSERT_TRUE(m.run());
+  const double stress = -support_force(m, "platen").y() / 0.05;
+  record({"Defaults", "block pressed by 5 %, nominal stress [Pa]", stress, "E/(1-nu2) ln(1/0.95)/0.95", "1 %", "closed form"});
+  EXPECT_LT(relative(stress, expected), 0.01);
+
+  // Linear functions lose some of it where points cross cells, but no longer half.
+  Model linear(case_by_default(pressed_block, {"grid.shape_functions=linear"}));
+  ASSERT_TRUE(linear.run());
+  EXPECT_LT(relative(-support_force(linear, "platen").y() / 0.05, expected), 0.1);
+}
+
+const std::string touching = R"(
+[model]
+kinematics = "small"
+[grid]
+cell_size = 0.1
+cells = [20, 10]
+[material.m]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = "10 MPa"
+poisson_ratio = 0.3
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [2.0, 1.0] }
+[boundary.door]
+body = "b"
+where.box = { min = [-0.01, -0.001], max = [1.0, 0.001] }
+ux = 0.0
+uy = -0.001
+[boundary.floor]
+body = "b"
+where.box = { min = [1.0, -0.001], max = [2.1, 0.001] }
+ux = 0.0
+uy = 0.0
+[steps]
+count = 1
+)";
+
+/// Two held surfaces that touch and move differently fought over the nodes that they share: -723 kN.
+TEST(Defaults, HalfOfABaseSinks) {
+  Model m(case_by_default(touching));
+  ASSERT_TRUE(m.run());
+  const double force = support_force(m, "door").y();
+  record({"Defaults", "half of a base sinks by 1 mm, its force [N]", force, "-5.1e3", "15 %", "held nodes on the same grid"});
+  EXPECT_LT(relative(force, -5.1e3), 0.15);
+  const auto& warnings = m.world->warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(),
+                          [](const std::string& w) { return w.find("move differently") != std::string::npos; }));
+}
+
+const std::string friction_floor = R"(
+model.gravity = [0.0, -10.0]
+grid = { origin = [-2.0, -3.0], cell_size = 0.25, cells = [24, 24] }
+[material.m]
+law = "linear_elastic"
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+density = 1000.0
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[body.floor]
+rigid = true
+shape.box = { min = [-1.5, -1.0], max = [2.5, -0.03] }
+[contact.c]
+body = "b"
+rigid = "floor"
+kind = "friction"
+friction = 0.3
+[steps]
+analysis = "dynamic"
+duration = 0.2
+count = 100
+[dynamics]
+integrator = "bossak"
+transfer = "blend"
+[solver]
+ghost_penalty = 0.0
+)";
+
+/// Nodes that only surface points reached had neither mass nor stiffness, and the matrix no inverse.
+TEST(Defaults, NodesThatCarryNothingAreNoUnknowns) {
+  for (const char* functions : {"linear", "cpgimp"}) {
+    Model m(case_by_default(friction_floor, {"grid.shape_functions=" + std::string(functions)}));
+    EXPECT_TRUE(m.run()) << functions;
+    EXPECT_NEAR(m.world->discretisation->point_displacements()[0].y(), -0.03, 0.01) << functions;
+  }
+}
+
+}  // namespace
+}  // namespace berm::verify
