@@ -47,7 +47,7 @@ Table<Case> model_table() {
            "volumetric strain of a material point: its own; the mean over the points of its cell (f_bar); or that of a "
            "pressure with unknowns of its own at the nodes (mixed: stabilised u-p). The latter two do not lock where the "
            "volume hardly changes: undrained soil, metal, failure loads (method \"mpm\", not plane stress; f_bar: grids "
-           "of quads or hexahedra). Default: f_bar, where it can be, with laws of plasticity and Poisson ratios from 0.45, "
+           "of quads or hexahedra). Default: f_bar, where it can be, with laws of plasticity and Poisson ratios from 0.45 (not beside fluids), "
            "else standard")
       .no_default();
   t.choice("quadrature", &Case::quadrature, Words<Quadrature>{{"points", Quadrature::points}, {"gauss", Quadrature::gauss}},

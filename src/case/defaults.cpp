@@ -40,10 +40,14 @@ bool has_boxes(const Case& c) {
   return grid && (grid->kind == GridKind::quads || grid->kind == GridKind::hexahedra);
 }
 
+bool has_fluid(const Case& c) {
+  return std::any_of(c.materials.begin(), c.materials.end(),
+                     [](const Material& m) { return std::holds_alternative<Newtonian>(m.law); });
+}
+
 /// Laws that flow while their volume stays, or is bound to the shear, and bodies that are nearly incompressible.
 bool locks(const Case& c) {
   return std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
-    if (std::holds_alternative<Newtonian>(m.law)) return false;  // check_fluids
     const auto lame = elastic_constants(m.law);
     return is_plastic(m.law) || (lame && lame->lambda / (2.0 * (lame->lambda + lame->mu)) >= nearly_incompressible);
   });
@@ -76,7 +80,7 @@ void choose_functions(Case& c, Node& root) {
 void choose_volumetric(Case& c, Node& root) {
   if (is_given(root, "model", "volumetric")) return;
   const bool fits = has_boxes(c) && c.space != Space::plane_stress && c.quadrature == Quadrature::points;
-  if (!fits || !locks(c)) return;
+  if (!fits || has_fluid(c) || !locks(c)) return;  // a fluid has nothing against hourglass modes
   c.volumetric = Volumetric::f_bar;
   write(c, root, "model", "volumetric",
         {"f_bar", "a law flows without change of volume, or nearly so, and would lock"});
