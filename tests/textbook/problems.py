@@ -27,6 +27,7 @@ class P:
     tolerance: float = 0.03
     scale: float = 0.0
     factor: bool = False
+    may_stop: bool = False  # the load falls faster than the motion can follow: only the peak counts
     short: tuple = ()
     case: str = ""
 
@@ -86,6 +87,12 @@ def touch(column, gravity, start=0.0):
 
 def heat_of_friction(r):
     return r.last("friction_energy") / max(abs(r.last("external_work")), 1e-30)
+
+
+def hertz(r):
+    load = 2 * abs(r.last("reaction"))
+    b = sqrt(4 * load * 0.91 / (pi * 1e6))
+    return abs(r.last("probe:syy")) / (2 * load / (pi * b) / sqrt(1 + (0.15528 / b) ** 2))
 
 
 def rebound(r):
@@ -160,7 +167,7 @@ PROBLEMS = [
     # Soil
     P("triaxial", "drained triaxial test", 234.64, "kPa", deviator, TL),
     P("biaxial_rough", "undrained compression, rough platens", 20.0, "kPa", size("nominal_stress", 1e-3), FBAR),
-    P("simple_shear", "simple shear of soil", 50.0, "kPa", size("probe:sxy", 1e-3)),
+    P("simple_shear", "simple shear of soil, shear over vertical stress", 0.5, "", lambda r: abs(r.last("probe:sxy") / r.last("probe:syy"))),
     P("footing_strip", "strip footing on clay, q/cu", 2 + pi, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
     P("footing_circular", "circular footing on clay, q/cu", 6.05, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
     P("footing_sand", "strip footing, 20 degrees, q/c", 14.835, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
@@ -178,12 +185,12 @@ PROBLEMS = [
     P("sand_column", "column of sand, run-out", 75.0, "mm", lambda r: 1e3 * max(r.last(f"probe:{n}") for n in ("toe", "toe2", "toe3", "toe4", "toe5", "toe6")), (*FBAR, "dynamics.transfer=blend"), fem=False, tolerance=0.2),
     # Concrete
     P("concrete_bar", "concrete bar torn, work", 100.0, "J/m2", last("external_work", 1 / 0.02), ("solver.integration=impl_ex",)),
-    P("notched_beam", "notched beam, largest load", 755.0, "N", largest("reaction", 2.0), ("solver.integration=impl_ex",), tolerance=0.05),
+    P("notched_beam", "notched beam, largest load", 755.0, "N", largest("reaction"), ("solver.integration=impl_ex",), tolerance=0.05),
     P("bending_strip", "four-point bending, pressures", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.integration=impl_ex", "steps.error_tolerance=0.002"), tolerance=0.05),
     P("bending_rollers", "four-point bending, rollers", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.snap_back=impl_ex",), tolerance=0.05),
-    P("interface_crack", "soft bar and concrete in series", 0.300, "MN", largest("reaction", 1e-6), ("solver.integration=impl_ex",)),
+    P("interface_crack", "soft bar and concrete in series", 0.300, "MN", largest("reaction", 1e-6), ("solver.integration=impl_ex",), may_stop=True),
     # Contact
-    P("hertz", "cylinder on a plane, stress below", -58.55, "kPa", probe("syy", 1e-3), B2, tolerance=0.05),
+    P("hertz", "cylinder on a plane, stress below over Hertz's", 1.0, "", hertz, B2, tolerance=0.05),
     P("caps_plate", "cap on a rigid plate", 2.33, "MN/m", size("reaction", 1e-6), B2, fem=False, tolerance=0.05),
     P("caps", "two caps", 2.33, "MN/m", size("reaction", 1e-6), B2, fem=False, tolerance=0.05),
     P("contact_small_strain", "blocks apart, small strain", 75.0, "kN/m", size("reaction", 1e-3), ("model.kinematics=finite",), fem=False),

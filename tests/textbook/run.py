@@ -16,6 +16,7 @@ import math
 import os
 import pathlib
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -73,21 +74,21 @@ class Run:
 
 
 def execute(command, limit, log):
-    """(seconds of processor, exit code or None if the limit was reached); output goes to log."""
+    """(seconds of processor, exit code or None if the limit of these was reached, or six times that on the clock)."""
     with open(log, "wb") as out:
-        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True)
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 5)))
         late = threading.Event()
 
         def kill():
             late.set()
             os.killpg(process.pid, signal.SIGKILL)
 
-        timer = threading.Timer(limit, kill)
+        timer = threading.Timer(6 * limit, kill)
         timer.start()
         _, status, usage = os.wait4(process.pid, 0)
         timer.cancel()
     process.returncode = os.waitstatus_to_exitcode(status)
-    return usage.ru_utime + usage.ru_stime, None if late.is_set() else process.returncode
+    return usage.ru_utime + usage.ru_stime, None if late.is_set() or process.returncode == -signal.SIGXCPU else process.returncode
 
 
 def last_words(log):
@@ -121,7 +122,7 @@ def run(berm, problem, mode, out, limit):
         done = Run(folder)
         value = float(problem.read(done))
         result["value"] = value if math.isfinite(value) else None
-        if not result["reason"] and (code or done.summary["status"] != "done"):
+        if not result["reason"] and not problem.may_stop and (code or done.summary["status"] != "done"):
             result["reason"] = f"stops at t = {done.last('time'):.3g}"
     except Exception as error:  # noqa: BLE001  whatever is wrong with a run belongs to its row
         result["reason"] = result["reason"] or (last_words(log) if log.stat().st_size else f"{type(error).__name__}: {error}")
@@ -210,7 +211,7 @@ def main():
     parser.add_argument("--no-default", action="store_true", help="leave out the default settings")
     parser.add_argument("--missing", action="store_true", help="only runs that are not in --out yet")
     parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--limit", type=float, default=180.0, help="seconds a run may take")
+    parser.add_argument("--limit", type=float, default=180.0, help="seconds of the processor a run may take")
     parser.add_argument("--out", default="out/textbook")
     parser.add_argument("--markdown", metavar="FILE")
     parser.add_argument("--write-before", metavar="FILE")
@@ -239,6 +240,8 @@ def main():
             runs = {pool.submit(run, berm, p, m, out, options.limit): (p, m) for p, m in jobs}
             for job in concurrent.futures.as_completed(runs):
                 p, m = runs[job]
+                if store.is_file():  # another run may have written meanwhile
+                    results = json.loads(store.read_text())
                 results.setdefault(p.name, {})[m] = job.result()
                 store.write_text(json.dumps(results, indent=1))
                 r = results[p.name][m]
