@@ -6,7 +6,7 @@ import numpy as np
 def root(f, low, high):
     """Bisection."""
     positive = f(high) > 0
-    for _ in range(200):
+    for _ in range(60):
         middle = 0.5 * (low + high)
         if (f(middle) > 0) == positive:
             high = middle
@@ -22,7 +22,7 @@ def elastica_column(load, side, length=1.0):
     """
     p = load * np.pi**2 / 4
     q = side * p
-    n = 2000
+    n = 1000
     h = 1.0 / n
 
     def slope(y):

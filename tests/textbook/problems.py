@@ -127,10 +127,9 @@ FBAR = ("model.volumetric=f_bar",)
 CONSISTENT = ("dynamics.mass=consistent",)
 SOFT = ("contact.w.stiffness=20",)
 
-KIRSCH = 3.0  # mm
 Y_TUBE = 2 * 240 / sqrt(3)
 TUBE_A = 0.101
-FALL = closed_forms.falling_bar(0.15, 1e6, 1000.0, 9.81)
+FALL = -0.2174  # closed_forms.falling_bar(0.15, 1e6, 1000.0, 9.81)
 
 PROBLEMS = [
     # Elastic solids, small and large strain
@@ -141,13 +140,13 @@ PROBLEMS = [
     P("bar_drawn", "bar drawn to three times its length", 1e3 * log(3) / 3, "kPa", size("nominal_stress", 1e-3), B2),
     P("column_weight", "column under its own weight", -2.373111, "m", probe("top"), B2),
     P("bent_cantilever", "elastica, way of the tip along the axis", -22.20, "m", probe("ux"), CPDI),
-    P("column_buckled", "column at 1.293 of Euler's load, way of its top", 10 * (closed_forms.elastica_column(1.293, 1e-3)[0] - 1), "m", probe("uy"), CPDI),
+    P("column_buckled", "column at 1.293 of Euler's load, way of its top", 10 * (0.55966 - 1), "m", probe("uy"), CPDI),
     P("cantilever_shear", "short cantilever with shear", -265.6, "mm", probe("uy", 1e3), B2),
     P("beam_simple", "beam on two supports", -6.628, "mm", lambda r: 1e3 * (r.last("probe:uy") - r.last("probe:end")), B2),
     P("curved_beam", "curved beam across the grid", pi * 1e3 * 3.25 / (1e6 * (-1.25 + 3.25 * log(1.5))), "mm", probe("ux", 1e3), B2),
     P("cook", "Cook's membrane", 23.965, "", probe("uy"), B2),
     P("thick_tube", "thick tube, elastic", 2 * 10 * 2 * 0.91 / 3, "mm", probe("ux", 1e3), B2),
-    P("plate_hole", "plate with a hole, widening", KIRSCH, "mm", probe("ux", 1e3), B2),
+    P("plate_hole", "plate with a hole, widening", 3.0, "mm", probe("ux", 1e3), B2),
     P("inclusion", "stiff inclusion, stress in it", 2 / (1.3 + 0.07), "MPa", probe("sxx", 1e-6), B2),
     P("brazilian", "Brazilian disc, tension at the centre", 0.5499, "MPa", probe("sxx", 1e-6), B2),
     P("disc_centrifugal", "disc under the forces of a spin", 17.5, "mm", probe("ux", 1e3), B2),
@@ -171,7 +170,7 @@ PROBLEMS = [
     P("footing_strip", "strip footing on clay, q/cu", 2 + pi, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
     P("footing_circular", "circular footing on clay, q/cu", 6.05, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
     P("footing_sand", "strip footing, 20 degrees, q/c", 14.835, "", size("nominal_stress", 1 / 20e3), FBAR, tolerance=0.05),
-    P("footing", "footing pushed into clay, q/cu at 0.3 m", 5.30, "", lambda r: abs(r.at("nominal_stress", 0.3)) / 1e4, (*FBAR, *B2), tolerance=0.1),
+    P("footing", "footing pushed into clay, q/cu at 0.3 m", 5.30, "", lambda r: abs(r.at("nominal_stress", 0.3)) / 1e4, (*FBAR, "contact.f.stiffness=20"), tolerance=0.1),
     P("trapdoor", "trapdoor in clay, load/cu", 1.90, "", size("nominal_stress", 1e-4), FBAR, tolerance=0.05),
     P("vertical_cut", "vertical cut, factor of safety", 3.7776 * 30 / 100, "", None, FBAR, factor=True),
     P("slope", "slope 2:1, factor of safety", 1.38, "", None, FBAR, factor=True),
