@@ -159,7 +159,7 @@ PROBLEMS = [
     # Metal
     P("thick_tube_plastic", "thick tube, full plasticity", Y_TUBE * log(sqrt(0.03 + TUBE_A**2) / TUBE_A), "MPa", size("reaction_x:inside", 1e-6 / (2 * pi * TUBE_A * 0.005)), FBAR),
     P("steel_strip", "strip of steel drawn by 40 %", 593.7, "MPa", size("nominal_stress", 1e-6), (*TL, *FBAR)),
-    P("mixed_plastic_stretch", "the same, mixed and total Lagrangian", 593.7, "MPa", size("nominal_stress", 1e-6), FBAR),
+    P("mixed_plastic_stretch", "the same, mixed and total Lagrangian", 593.7, "MPa", size("nominal_stress", 1e-6), FBAR, fem=False),
     P("steel_bar", "round bar of steel drawn by 40 %", 1e-6 * closed_forms.hencky_plastic_bar(1.4, 206.9e9, 450e6, 700e6), "MPa", size("nominal_stress", 1e-6), (*TL, *FBAR)),
     P("necking_bar", "necking bar, largest load", 700 * exp(450 / 700 - 1) * exp(-700 / 206900), "MPa", largest("nominal_stress", 1e-6), (*TL, *FBAR)),
     P("taylor_bar", "Taylor's test, loss of length", -10.95, "mm", probe("top", 1e3), (*FBAR,)),
@@ -185,8 +185,8 @@ PROBLEMS = [
     # Concrete
     P("concrete_bar", "concrete bar torn, work", 100.0, "J/m2", last("external_work", 1 / 0.02)),
     P("notched_beam", "notched beam, largest load", 755.0, "N", largest("reaction"), ("solver.integration=impl_ex",), tolerance=0.05),
-    P("bending_strip", "four-point bending, pressures", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.integration=impl_ex", "steps.error_tolerance=0.002"), tolerance=0.05),
-    P("bending_rollers", "four-point bending, rollers", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.snap_back=impl_ex",), tolerance=0.05),
+    P("bending_strip", "four-point bending, pressures", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.integration=impl_ex", "steps.error_tolerance=0.002"), tolerance=0.1),
+    P("bending_rollers", "four-point bending, rollers", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.snap_back=impl_ex",), tolerance=0.1),
     P("interface_crack", "soft bar and concrete in series", 0.300, "MN", largest("reaction", 1e-6), ("solver.integration=impl_ex",), may_stop=True),
     # Contact
     P("hertz", "cylinder on a plane, stress below over Hertz's", 1.0, "", hertz, B2, tolerance=0.05),
