@@ -140,7 +140,7 @@ PROBLEMS = [
     P("bar_drawn", "bar drawn to twice its length", 1e3 * log(2) / 2, "kPa", size("nominal_stress", 1e-3), B2),
     P("column_weight", "column under its own weight", -2.373111, "m", probe("top"), B2),
     P("bent_cantilever", "elastica, way of the tip along the axis", -22.20, "m", probe("ux"), CPDI),
-    P("column_buckled", "column at 1.293 of Euler's load, way of its top", 10 * (0.55323 - 1), "m", probe("uy"), CPDI),
+    P("column_buckled", "column at 1.293 of Euler's load, way of its top", 10 * (0.55323 - 1), "m", probe("uy"), CPDI, tolerance=0.05),
     P("cantilever_shear", "short cantilever with shear", -265.6, "mm", probe("uy", 1e3), B2),
     P("beam_simple", "beam on two supports", -6.628, "mm", lambda r: 1e3 * (r.last("probe:uy") - r.last("probe:end")), B2),
     P("curved_beam", "curved beam across the grid", pi * 1e3 * 3.25 / (1e6 * (-1.25 + 3.25 * log(1.5))), "mm", probe("ux", 1e3), B2),

@@ -57,7 +57,8 @@ class Run:
         names = [re.sub(r"\s*\[[^\]]*\]$", "", n) for n in rows[0]]
         data = np.array([[float(v or "nan") for v in row] for row in rows[1:] if len(row) == len(names)])
         self.columns = dict(zip(names, data.T)) if len(data) else {n: np.array([math.nan]) for n in names}
-        self.summary = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+        summary = self.folder / "summary.json"
+        self.summary = json.loads(summary.read_text(encoding="utf-8")) if summary.is_file() else {"status": "running"}
 
     def __getitem__(self, name):
         return self.columns[name]

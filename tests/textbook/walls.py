@@ -76,7 +76,7 @@ def main():
                         reason = "not finished in time" if code is None else "done" if status == "done" else f"stops at {100 * (time - 1):.0f} % of the movement"
                         numbers = f"{mean / 1e3:.2f} ({100 * (mean / right - 1):+.1f} %) | {end / 1e3:.2f} ({100 * (end / right - 1):+.1f} %) | {100 * jump:.1f} %"
                     except (OSError, ValueError, KeyError, IndexError) as error:
-                        reason, numbers = last_words(log) or str(error), "- | - | -"
+                        reason, numbers = "not finished in time" if code is None else f"{last_words(log)} ({error})", "- | - | -"
                     print(f"| {wall} | {angle:g} | {cohesion:g} | {cells} | {right / 1e3:.2f} | {numbers} | {seconds:.0f} | {reason} |", flush=True)
 
 
