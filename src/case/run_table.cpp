@@ -76,6 +76,19 @@ Table<Solver> solver_table() {
   return t;
 }
 
+/// Velocities can be fitted with the consistent mass where points carry nothing else; FEM and what damps numerically have a
+/// lumped one.   [dynamics (20)]
+void choose_mass(Scope& scope, Dynamics& d) {
+  if (scope.has("mass")) return;
+  const Scope* top = &scope;
+  while (top->outer) top = top->outer;
+  const Node::Entry* method = top->node.find("method");
+  const std::string* name = method ? std::get_if<std::string>(&method->value.value) : nullptr;
+  const bool fem = name && *name == "fem";
+  if (fem || d.transfer == Dynamics::Transfer::apic || d.integrator != Dynamics::Integrator::newmark) return;
+  d.mass = Dynamics::Mass::consistent;
+}
+
 Table<Dynamics> dynamics_table() {
   using Integrator = Dynamics::Integrator;
   using Mass = Dynamics::Mass;
@@ -89,7 +102,10 @@ Table<Dynamics> dynamics_table() {
   t.only([](const Scope&, const Dynamics& d) { return d.integrator != Integrator::newmark; },
          "with integrator = \"bossak\" or \"hht\"");
   t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
-           "mass matrix of the equation of motion");
+           "mass matrix of the equation of motion, and of the projection of velocities to the nodes: consistent keeps the "
+           "energy of material points, lumped loses some in every step. Default: consistent with method \"mpm\", "
+           "integrator \"newmark\" and transfers other than \"apic\", else lumped")
+      .no_default();
   t.choice("transfer", &Dynamics::transfer,
            Words<Transfer>{{"flip", Transfer::flip},
                            {"pic", Transfer::pic},
@@ -98,8 +114,8 @@ Table<Dynamics> dynamics_table() {
            "how material points take their velocity from the grid (method \"mpm\"): its change (keeps energy), its value "
            "(damps), a part of both, or its value and gradient (keeps angular momentum)");
   t.integer("projection_order", &Dynamics::projection_order, {1.0, 100.0},
-            "order k of the projection of the motion of points to nodes (method \"mpm\", FMPM): 1 smooths it as the lumped "
-            "mass does, higher ones less and less");
+            "order k of the projection of the motion of points to nodes (method \"mpm\", FMPM) with the lumped mass: the higher, "
+            "the less it smooths; 1: with mass = \"consistent\" and \"newmark\", the solution with that mass");
   t.only([](const Scope&, const Dynamics& d) { return d.transfer != Transfer::apic; },
          "with transfers other than \"apic\", which carries gradients instead");
   t.number("flip_fraction", &Dynamics::flip_fraction, Unit::none, {0.0, 1.0}, "share of flip; the rest is pic");
@@ -113,6 +129,7 @@ Table<Dynamics> dynamics_table() {
   t.number("error_tolerance", &Dynamics::error_tolerance, Unit::none, non_negative(),
            "error of a step aimed at: that of the mean acceleration over a step, relative to the displacement; 0: the "
            "effort of Newton's method alone decides on the steps");
+  t.check(choose_mass);
   return t;
 }
 

@@ -59,9 +59,10 @@ NodalVector Newmark::project(const Discretisation& d, const NodalVector& momentu
   return v;
 }
 
-/// Points that carry a gradient have the lumped mass's momentum, M_lumped v in one dimension; FEM keeps velocities.
+/// Points that carry a gradient have the lumped mass's momentum, M_lumped v in one dimension; FEM keeps velocities. Bossak
+/// and HHT carry accelerations, which go to the nodes by (2), and their velocities with them.
 bool Newmark::fits() const {
-  return how_.mass == Dynamics::Mass::consistent && how_.transfer != Dynamics::Transfer::apic &&
+  return means() && how_.mass == Dynamics::Mass::consistent && how_.transfer != Dynamics::Transfer::apic &&
          how_.projection_order == 1 && !at_nodes_;
 }
 
