@@ -159,7 +159,7 @@ bool BoundaryConditions::symmetric() const {
   for (const Pressure& p : case_.pressures)
     if (follows(p) || (case_.kinematics == Kinematics::finite && p.value.depends_on_place())) return false;
   return std::none_of(case_.contacts.begin(), case_.contacts.end(), [](const Contact& c) {
-    return c.kind == Contact::Kind::friction && c.other.empty();  // [contact (6)] is symmetric
+    return c.kind == Contact::Kind::friction && c.other.empty();  // [contact (7)] is symmetric
   });
 }
 

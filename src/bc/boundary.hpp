@@ -78,8 +78,8 @@ public:
   double support_work(const Reactions& before, const Reactions& now, double t0, double t1) const;
   /// Total force of every pressure at that time on the surface as du has moved it [N]. Collective.
   std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
-  /// Heat of sliding contact in the step [J], of all processes. Collective.
-  double friction_work(const NodalVector& du, double t0, double t1) const;
+  /// What contact with friction takes in the step, of all processes. Collective.
+  ContactWork contact_work(const NodalVector& du, double t0, double t1) const;
 
   const std::vector<GaugeLine>& gauges() const { return gauges_; }
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.

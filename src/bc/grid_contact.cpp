@@ -27,7 +27,7 @@ void GridContact::begin_step(const Discretisation& d) {
     }
 }
 
-/// [contact (4) - (6)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
+/// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
 /// guess on.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const Vec3& n = t.at->normal;
@@ -99,16 +99,23 @@ void GridContact::add_forces(const Discretisation& d, const NodalVector& du, Nod
   }
 }
 
-double GridContact::work(const NodalVector& du) const {
-  double sum = 0.0;
+/// Heat is the work of the shear on the slip, which is the motion along the surface less that of the penalty's spring.
+/// [contact (8)]
+ContactWork GridContact::work(const NodalVector& du) const {
+  ContactWork sum;
   for (const Touch& t : touches_) {
-    const Vec3 relative = du[t.at->a] - du[t.at->b];
-    sum += 0.5 * (t.carried + force_at(t, relative).force).dot(relative);
+    const Vec3 relative = du[t.at->a] - du[t.at->b], &n = t.at->normal;
+    const Force f = force_at(t, relative);
+    sum.total += 0.5 * (t.carried + f.force).dot(relative);
+    if (f.status != Status::slides) continue;
+    const Vec3 before = t.carried - n * n.dot(t.carried);
+    const Vec3 slip = relative - n * n.dot(relative) - (f.shear - before) / (t.contact.stiffness * t.at->area);
+    sum.heat += 0.5 * (before + f.shear).dot(slip);
   }
   return sum;
 }
 
-/// Tension is dropped, shear beyond the limit is cut, that of one that slides grows with the pressure.   [(5)]
+/// Tension is dropped, shear beyond the limit is cut, that of one that slides grows with the pressure.   [(6)]
 void GridContact::commit(const Discretisation& d, const NodalVector& du) {
   if (contacts_.empty()) return;
   std::vector<double> mine;
@@ -121,6 +128,13 @@ void GridContact::commit(const Discretisation& d, const NodalVector& du) {
     mine.insert(mine.end(), {double(d.halo.ids[t.at->a]), double(t.at->field_b), force.x(), force.y(), force.z()});
   }
   restore(d.comm().all_gather(mine));
+}
+
+double GridContact::scatter(const Discretisation& d) const {
+  double largest = 0.0;
+  for (const Touch& t : touches_)
+    if (t.carried.isZero(0.0) && !carried(d, *t.at).isZero(0.0)) largest = std::max(largest, t.at->scatter);
+  return largest;
 }
 
 std::vector<double> GridContact::rows() const {

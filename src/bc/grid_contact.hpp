@@ -14,6 +14,11 @@ struct FieldContact {
   double stiffness = 0.0;        ///< penalty [N/m3]
 };
 
+struct ContactWork {
+  double total = 0.0;  ///< heat, and what the penalty stores or gives back
+  double heat = 0.0;   ///< of sliding
+};
+
 class GridContact {
 public:
   /// Contacts of a stage; forces are kept, unless there is no contact left.
@@ -28,8 +33,10 @@ public:
   double violation(const Discretisation& d, const NodalVector& du) const;
   /// Forces that resist du, of the interfaces that this process owns, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const;
-  /// Work that the forces take over the step, of this process: friction, and the little that the penalty stores [J].
-  double work(const NodalVector& du) const;
+  /// What the forces take over the step, of this process [J].
+  ContactWork work(const NodalVector& du) const;
+  /// Largest scatter of a gap that closed in the step that has been committed last, of this process [m].
+  double scatter(const Discretisation& d) const;
   /// The forces at du are those of t_n now. Collective.
   void commit(const Discretisation& d, const NodalVector& du);
 

@@ -70,10 +70,14 @@ double BoundaryConditions::support_work(const Reactions& before, const Reactions
   return work;
 }
 
-double BoundaryConditions::friction_work(const NodalVector& du, double t0, double t1) const {
-  double heat = grid_contact_.work(du);
-  for (const ContactPoint& p : contacts_) heat += contact_force(p, du, t0, t1).heat;
-  return comm_.sum(heat);
+ContactWork BoundaryConditions::contact_work(const NodalVector& du, double t0, double t1) const {
+  ContactWork work = grid_contact_.work(du);
+  for (const ContactPoint& p : contacts_) {
+    const double heat = contact_force(p, du, t0, t1).heat;
+    work.heat += heat;
+    work.total += heat;
+  }
+  return {comm_.sum(work.total), comm_.sum(work.heat)};
 }
 
 }  // namespace berm

@@ -139,7 +139,7 @@ bool needs_tie(const Case& c, const Joint& joint, const std::function<bool(const
 /// Of the penalty of a joint that no contact speaks of, in units of E / h.
 constexpr double tie_penalty = 500.0;
 /// Share of the penalty that differences of the gap within a pair of cells see: functions of cut cells cannot follow each
-/// other at every point of a surface, and would take the stresses out of each other.   [contact (8)]
+/// other at every point of a surface, and would take the stresses out of each other.   [contact (10)]
 constexpr double loose_share = 0.02;
 
 }  // namespace

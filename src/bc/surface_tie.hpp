@@ -53,7 +53,7 @@ public:
   /// Anchors that keep the cells of this process's ends in use.
   std::vector<Anchor>& keepers() { return keepers_; }
 
-  /// Forces that resist du, added to f; their matrix, if wanted.   [contact (8)]
+  /// Forces that resist du, added to f; their matrix, if wanted.   [contact (10)]
   void add_forces(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const;
   void commit(const NodalVector& du);
   std::vector<TiePoint>& points() { return points_; }

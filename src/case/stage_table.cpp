@@ -20,7 +20,7 @@ void add_steps(Table<T>& t, Get get) {
   t.number("max_fraction", of(&Steps::max_fraction), Unit::none, positive(),
            "largest step, as a fraction of duration/count");
   t.number("error_tolerance", of(&Steps::error_tolerance), Unit::none, positive(),
-           "impl_ex: largest difference aimed at between the damage used and the damage of the step");
+           "impl_ex: largest error of a stress by the extrapolated damage, over the strength; steps with more are cut");
   t.integer("easy_iterations", of(&Steps::easy_iterations), {1.0},
             "implicit: steps grow after fewer iterations than this");
   t.check([=](Scope& s, T& x) {

@@ -100,7 +100,7 @@ Status update_isotropic_damage(const L& law, const LawInput& in, const double* o
 
   out.stress = (1.0 - d_used) * s;
   out.damage = d;
-  out.extrapolation_error = std::abs(d_used - d);
+  out.extrapolation_error = std::abs(d_used - d) * r_new / law.threshold();  // eq. (11a)
   set_energies(0.5 * two_y, d_used, old_state, out);
   if (in.want_tangent) {
     c.stiffness(1.0 - d_used, out.tangent);

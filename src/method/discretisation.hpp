@@ -55,7 +55,7 @@ struct AnchorPair {
   int block = -1;  ///< of the step
 };
 
-/// A place of the grid where two fields have a node each: there their bodies may touch.   [contact (1) - (3)]
+/// A place of the grid where two fields have a node each: there their bodies may touch.   [contact (1) - (4)]
 struct Interface {
   int field_a = 0, field_b = 0;  ///< a < b
   int a = 0, b = 0;              ///< local nodes, both owned by this process
@@ -63,6 +63,7 @@ struct Interface {
   Vec3 normal = Vec3::Zero();  ///< of the step, out of a; zero if there is none
   double area = 0.0;           ///< of the step: of the surface that the node stands for [m2]
   double gap = 0.0;            ///< of the step, along the normal; not negative [m]
+  double scatter = 0.0;        ///< of the step: how far apart the places are that the gap is a mean of [m]
 };
 
 /// Nodal vectors: one Vec3 a local node; z = 0 in the plane.

@@ -57,6 +57,7 @@ void save_recorder(CheckpointFile& file, const Comm& comm, const RecorderState& 
   file.write_number("recorder/newton_iterations", static_cast<double>(s.newton_iterations));
   file.write_number("recorder/next_frame", s.next_frame);
   file.write_number("recorder/highest", s.highest);
+  file.write_number("recorder/gap_scatter", s.gap_scatter);
   file.write_number("recorder/peak_pending", s.peak_pending ? 1.0 : 0.0);
 }
 
@@ -81,6 +82,7 @@ RecorderState load_recorder(const CheckpointFile& file) {
   s.newton_iterations = static_cast<long>(file.read_number("recorder/newton_iterations"));
   s.next_frame = file.read_number("recorder/next_frame");
   s.highest = file.read_number("recorder/highest");
+  s.gap_scatter = file.read_number("recorder/gap_scatter");
   s.peak_pending = file.read_number("recorder/peak_pending") != 0.0;
   return s;
 }
@@ -136,6 +138,7 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   file.write_number("transferred", balance.transferred);
   file.write_number("kinetic", balance.kinetic);
   file.write_number("kinetic_at_start", balance.kinetic_at_start);
+  file.write_number("contact_work", balance.contact_work);
   file.write_number("friction_work", balance.friction_work);
   file.write("forces/rigid", from_root(comm, flat(balance.reactions.rigid)), 3);
   file.write("forces/boundary", from_root(comm, flat(balance.reactions.boundary)), 3);
@@ -180,6 +183,7 @@ void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, 
   balance.transferred = file.read_number("transferred");
   balance.kinetic = file.read_number("kinetic");
   balance.kinetic_at_start = file.read_number("kinetic_at_start");
+  balance.contact_work = file.read_number("contact_work");
   balance.friction_work = file.read_number("friction_work");
   balance.reactions.rigid = vectors(read_all(file, "forces/rigid", 3));
   balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));

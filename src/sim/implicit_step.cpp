@@ -519,7 +519,9 @@ void ImplicitStep::accept() {
   for (Vec3& force : balance_.pressure_force) force *= pressure_factor();
   if (has_weight()) work += 0.5 * (dot(weight_at(t0_), du_) + dot(weight_, du_));
   balance_.external_work += work;
-  balance_.friction_work += bc.friction_work(du_, t0_, t1_);
+  const ContactWork contact = bc.contact_work(du_, t0_, t1_);
+  balance_.contact_work += contact.total;
+  balance_.friction_work += contact.heat;
   if (motion_) accept_motion();
 
   bc.commit(d, du_, t0_, t1_);

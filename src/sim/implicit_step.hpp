@@ -16,7 +16,7 @@ struct StepResult {
   bool stood_still = false;          ///< taken with a residual above the tolerance that no longer fell
   int iterations = 0;                ///< linear solves
   double residual = 0.0;             ///< norm over the norm of the forces [-]
-  double extrapolation_error = 0.0;  ///< impl_ex: largest |damage used - damage| [-]
+  double extrapolation_error = 0.0;  ///< impl_ex: largest error of a stress over the strength [-]
   double time_error = 0.0;           ///< dynamic: of the time integration [-]
   std::vector<double> residuals;     ///< every norm, relative
   std::string reason;
@@ -30,7 +30,8 @@ struct Balance {
   double damped = 0.0;                           ///< taken by damping forces since the start [J]
   double transferred = 0.0;                      ///< lost between points and grid since the start [J]   [dynamics (17)]
   double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
-  double friction_work = 0.0;                    ///< heat of sliding contact since the start [J]
+  double contact_work = 0.0;                     ///< taken by contact since the start: heat, and what the penalty keeps [J]
+  double friction_work = 0.0;                    ///< heat of sliding contact, a part of it [J]
 };
 
 /// Seconds spent since the start.

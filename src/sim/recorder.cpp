@@ -138,6 +138,7 @@ void Recorder::record(const StepResult& result, Integration integration) {
   newton_iterations_ += result.iterations;
   write_row(result, integration);
   look_at_stress();
+  gap_scatter_ = std::max(gap_scatter_, world_.comm.max(world_.boundary->grid_contact().scatter(*world_.discretisation)));
   const Output& o = world_.spec.output;
   const bool due =
       o.vtk_every > 0 ? steps_ % o.vtk_every == 0 : world_.time >= next_frame_ - 1e-12 * world_.spec.duration();
@@ -166,6 +167,7 @@ RecorderState Recorder::state() const {
   s.newton_iterations = newton_iterations_;
   s.next_frame = next_frame_;
   s.highest = highest_;
+  s.gap_scatter = gap_scatter_;
   s.peak_pending = peak_.has_value();
   for (const Quality& q : quality_) s.quality.insert(s.quality.end(), {q.load, q.noise, q.error});
   s.frames = points_pvd_.entries();
@@ -189,6 +191,7 @@ void Recorder::resume(const RecorderState& s) {
   newton_iterations_ = s.newton_iterations;
   next_frame_ = s.next_frame;
   highest_ = s.highest;
+  gap_scatter_ = s.gap_scatter;
   for (std::size_t k = 0; k < s.quality.size(); k += 3)
     quality_.push_back({s.quality[k], s.quality[k + 1], s.quality[k + 2]});
   restore_frames(s.frames);

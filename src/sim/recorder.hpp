@@ -21,7 +21,7 @@ struct RecorderState {
   std::vector<double> rows;  ///< of the history so far
   int columns = 0, steps = 0, cut_steps = 0, frame = 0;
   long newton_iterations = 0;
-  double next_frame = 0.0, highest = 0.0;
+  double next_frame = 0.0, highest = 0.0, gap_scatter = 0.0;
   bool peak_pending = false;
   std::vector<double> quality;                              ///< load, noise, error, load, ...
   std::vector<std::pair<double, std::string>> frames;  ///< entries of points.pvd
@@ -52,7 +52,7 @@ public:
 
 private:
   /// Positions in the standard columns of the history (io/history.cpp).
-  static constexpr int displacement_column = 2, load_column = 3;
+  static constexpr int displacement_column = 2, load_column = 3, error_column = 14;
 
   struct NamedProbe {
     Probe spec;
@@ -76,6 +76,7 @@ private:
   };
   void look_at_stress();
   /// A value of the one looked at nearest to a load, NaN if there is none.
+  double largest_extrapolation_error() const;
   double quality_at(double load, double Quality::*value) const;
   /// The state as VTK data, taken now and written now or later.
   struct Frame {
@@ -113,6 +114,7 @@ private:
   int n_columns_ = 0;
   std::vector<double> rows_;  ///< all rows of the history
   std::vector<Quality> quality_;
+  double gap_scatter_ = 0.0;  ///< largest at which bodies have touched [m]
 };
 
 }  // namespace berm

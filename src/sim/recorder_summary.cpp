@@ -63,12 +63,12 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp - W_transfer - W_friction| / max(|W_ext|, KE_0).   [dynamics (18)]
+/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp - W_transfer - W_contact| / max(|W_ext|, KE_0).   [dynamics (18)]
 double Recorder::energy_error(double stored, double dissipated) const {
   const Balance& b = step_.balance();
   const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
   const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped -
-                         b.transferred - b.friction_work;
+                         b.transferred - b.contact_work;
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
@@ -122,7 +122,17 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
       {"points_lost [-]", double(lost)}};
   const MaterialState& m = world_.discretisation->material;
   if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
+  if (const double error = largest_extrapolation_error(); error > 0.0)
+    list.emplace_back("extrapolation_error [-]", error);
+  if (gap_scatter_ > 0.0) list.emplace_back("contact_gap_scatter [m]", gap_scatter_);
   return list;
+}
+
+/// Of all IMPL-EX steps: [damage (11a)].
+double Recorder::largest_extrapolation_error() const {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < rows_.size(); k += n_columns_) largest = std::max(largest, rows_[k + error_column]);
+  return largest;
 }
 
 void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {

@@ -150,10 +150,8 @@ private:
         fail(dt, result);
         continue;
       }
-      if (integration == Integration::impl_ex ? control_.reject_impl_ex(result.extrapolation_error)
-                                              : control_.reject_time_error(result.time_error)) {
+      if (is_too_inaccurate(result, integration)) {
         recorder_.count_cut();
-        control_.cut();
         continue;
       }
       step_.accept();
@@ -171,6 +169,15 @@ private:
                         result.iterations, result.residual, world_->n_points()});
       return;
     }
+  }
+
+  /// True if the step is not good enough and has been cut.
+  bool is_too_inaccurate(const StepResult& result, Integration integration) {
+    const bool extrapolated = integration == Integration::impl_ex;
+    if (extrapolated ? !control_.reject_impl_ex(result.extrapolation_error) : !control_.reject_time_error(result.time_error))
+      return false;
+    extrapolated ? control_.cut_impl_ex(result.extrapolation_error) : control_.cut();
+    return true;
   }
 
   /// A step that found no equilibrium: cut it, or bridge a snap-back, or say exactly what happened.
@@ -232,13 +239,26 @@ private:
   }
 
   void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
-    constexpr double balanced = 0.05;
+    constexpr double balanced = 0.05, coarse_gap = 0.1;
+    double tolerance = 0.0;
+    for (const Stage& stage : world_->spec.stages) tolerance = std::max(tolerance, stage.steps.error_tolerance);
     for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
         log_.warning(
             fmt::format("the energy balance is off by {:.2g} % of the external work: take smaller steps; if points "
                         "cross cells of the grid, formulation = \"total_lagrangian\" may help",
                         100.0 * value));
+      if (name == "extrapolation_error [-]" && value > tolerance)
+        log_.warning(
+            fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "
+                        "{:.2g}, and the step could not be cut: make steps.min_fraction smaller",
+                        value, tolerance));
+      if (const double share = value / world_->discretisation->cell_size();
+          name == "contact_gap_scatter [m]" && share > coarse_gap)
+        log_.warning(
+            fmt::format("contact between deformable bodies: the gap at a node was a mean of places that differ by {:.2g} of "
+                        "a cell, so bodies touched that much early or late: make the cells smaller",
+                        share));
       if (name == "peak_load [N]" && value <= 0.0 && !world_->spec.output.nominal.load.empty())
         log_.warning("the nominal load never becomes positive: check output.nominal.direction");
     }

@@ -49,18 +49,22 @@ public:
       factor = std::min(factor, std::max(0.5, 0.9 * std::sqrt(time_error_ / time_error)));
     dt_ = std::clamp(factor * dt_, min_, max_);
   }
+  /// Errors of the integration of motion are rejected beyond this many tolerances.
+  static constexpr double reject_factor = 4.0;
   bool reject_time_error(double error) const {
     return steps_.adaptive && can_cut() && time_error_ > 0.0 && error > reject_factor * time_error_;
   }
 
-  /// An IMPL-EX step whose error is more than this many tolerances is tried again with half the size, if it can be.
-  static constexpr double reject_factor = 4.0;
-  bool reject_impl_ex(double error) const {
-    return steps_.adaptive && can_cut() && error > reject_factor * steps_.error_tolerance;
+  /// After an IMPL-EX step that has not been accepted: its error was beyond the tolerance.   [damage (11a)]
+  bool reject_impl_ex(double error) const { return steps_.adaptive && can_cut() && error > steps_.error_tolerance; }
+  void cut_impl_ex(double error) {
+    dt_ = std::max(min_, std::clamp(aimed_at * steps_.error_tolerance / error, 0.1, 0.5) * dt_);
   }
+  /// The error grows with the step where points begin to soften, and with its square later: what is aimed at leaves room.
+  static constexpr double aimed_at = 0.7;
   void after_impl_ex(double error) {
     if (!steps_.adaptive) return;
-    const double factor = error > 0.0 ? std::clamp(steps_.error_tolerance / error, 0.5, 1.3) : 1.3;
+    const double factor = error > 0.0 ? std::clamp(aimed_at * steps_.error_tolerance / error, 0.5, 1.3) : 1.3;
     dt_ = std::clamp(factor * dt_, min_, max_);
   }
 

@@ -1,6 +1,7 @@
 #include "sim/surfaces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -121,6 +122,29 @@ void add_surface_of_shape(const Case& c, int body, const Region& region, double 
     out.back().n_corners = 3;
     std::copy(piece.corner.begin(), piece.corner.end(), out.back().corner.begin());
   }
+}
+
+std::vector<Vec3> ways_to_surface(const std::vector<Vec3>& places, std::span<const SurfacePoint> surface, double reach) {
+  using Bucket = std::array<long, 3>;
+  const auto bucket_of = [&](const Vec3& x) {
+    return Bucket{std::lround(x.x() / reach), std::lround(x.y() / reach), std::lround(x.z() / reach)};
+  };
+  std::map<Bucket, std::vector<const SurfacePoint*>> buckets;
+  for (const SurfacePoint& s : surface) buckets[bucket_of(s.X)].push_back(&s);
+  std::vector<Vec3> ways;
+  for (const Vec3& x : places) {
+    const Bucket at = bucket_of(x);
+    const SurfacePoint* nearest = nullptr;
+    for (int k = 0; k < 27; ++k) {
+      const auto found = buckets.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
+      if (found == buckets.end()) continue;
+      for (const SurfacePoint* s : found->second)
+        if (!nearest || (s->X - x).squaredNorm() < (nearest->X - x).squaredNorm()) nearest = s;
+    }
+    const double distance = nearest ? nearest->normal.dot(nearest->X - x) : 0.0;
+    ways.push_back(distance > 0.0 && distance <= reach ? Vec3(distance * nearest->normal) : Vec3::Zero());
+  }
+  return ways;
 }
 
 }  // namespace berm

@@ -1,6 +1,8 @@
 #pragma once
 /// The surfaces of bodies in pieces that carry loads and contact.
 
+#include <span>
+
 #include "bc/surface.hpp"
 
 namespace berm {
@@ -10,5 +12,7 @@ void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spaci
 /// The boundary of a shape in pieces no longer than `spacing`.
 void add_surface_of_shape(const Case& c, int body, const Region& region, double spacing,
                           std::vector<SurfacePoint>& out);
+/// From places inside a body to its surface, at right angles; zero where it is farther than `reach`.
+std::vector<Vec3> ways_to_surface(const std::vector<Vec3>& places, std::span<const SurfacePoint> surface, double reach);
 
 }  // namespace berm

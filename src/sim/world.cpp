@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
@@ -73,6 +74,9 @@ Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) 
 /// Surface points stand this many to a cell: enough for the ends of a loaded arc to count. In space each stands for an
 /// area, and the faces of a body have many.
 double surface_points_per_cell(const Case& c) { return c.dimension() == 3 ? 3.0 : 10.0; }
+
+/// Points that are nearer to the surface of their body than this share of a cell tell where it is.
+constexpr double rim_width = 0.55;
 
 /// Name and kind; the measure too if the body is rigid, since nothing else will tell.
 BodySummary summary_of(const Body& body, double cell_size) {
@@ -158,6 +162,7 @@ void build_mpm(World& w) {
       continue;
     }
     const Material& material = material_of(c, body);
+    const std::size_t first_piece = surface.size();
     SeededPoints points;
     if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
       const Mesh mesh = body_mesh(c, body, body.points.mesh);
@@ -178,6 +183,7 @@ void build_mpm(World& w) {
       add_surface_of_shape(c, index, region, spacing, surface);
     }
     mpm->add_body(index, body.name, material, points, c.thickness);
+    if (field[b] > 0) mpm->tell_surface(ways_to_surface(points.x, std::span(surface).subspan(first_piece), rim_width * h));
     for (std::size_t p = 0; p < points.x.size(); ++p) {
       summary.measure += points.measure[p];
       summary.mass += points.measure[p] * depth(c.space, c.thickness, points.x[p].x()) * material.density;
@@ -251,6 +257,27 @@ void warn_of_missing_contacts(World& w) {
         w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
                                          "contacts: without a [contact.NAME] they will pass through each other",
                                          bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
+}
+
+/// Small strain and total Lagrangian see bodies where they started: those that are too far apart for nodes in common then
+/// never have any. Collective.
+void refuse_contacts_out_of_sight(const World& w) {
+  const Case& c = w.spec;
+  if (c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian) return;
+  const std::vector<int> field = fields_of_bodies(c);
+  std::set<std::pair<int, int>> meet;
+  for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
+  for (const Contact& contact : c.contacts) {
+    if (contact.other.empty() || contact.kind == Contact::Kind::tie) continue;
+    const auto pair = std::minmax(field[body_index(c, contact.body)], field[body_index(c, contact.other)]);
+    if (w.comm.any(meet.count(pair) > 0)) continue;
+    throw InputError(
+        fmt::format("[contact.{}]: \"{}\" and \"{}\" start so far apart that they share no node of the grid, and with {} "
+                    "the grid sees them where they start: they would pass through each other. Take [model] kinematics = "
+                    "\"finite\" and formulation = \"updated_lagrangian\"",
+                    contact.name, contact.body, contact.other,
+                    c.kinematics == Kinematics::small ? "small strain" : "total Lagrangian"));
+  }
 }
 
 /// Parts that functions of higher degree tie together. Collective.
@@ -361,6 +388,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   check_places(*w);
   w->begin_step();
   w->discretisation->start_motion([&](int body, const Vec3& X) { return w->spec.bodies[body].velocity.at(0.0, X); });
+  refuse_contacts_out_of_sight(*w);
   collect_warnings(*w);
   return w;
 }

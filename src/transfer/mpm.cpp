@@ -19,8 +19,9 @@ std::string text_of(const Vec3& x, int dimension) {
                         : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
 }
 
-/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, then what the material keeps.
-constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1 + 9;
+/// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, rim, then what the material
+/// keeps.
+constexpr int own_width = 1 + 3 + 3 + 3 + 3 + 3 + 9 + 1 + 1 + 1 + 3 + 1 + 9 + 3;
 
 /// Domain of a point of the given area (volume): a box along the axes of a structured grid, in the given ratios or those of
 /// its boxes; on other grids a square or cube.
@@ -103,11 +104,18 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
     home_.push_back(points.shift.empty() ? -1 : cell);
     shift_.push_back(points.shift.empty() ? Vec3::Zero() : points.shift[p]);
     stretch_.push_back(1.0);
+    rim_.push_back(Vec3::Zero());
     edges_.push_back(edges_of_seed(grid_, basis_.to_own_axes(), points.measure[p], points.box[p]));
   }
   next_id_ += static_cast<std::int64_t>(points.x.size());
   material.add(body, spec.law, volume, length);
   numbered_ = false;
+}
+
+void MpmDiscretisation::tell_surface(const std::vector<Vec3>& ways) {
+  const std::int64_t first = next_id_ - static_cast<std::int64_t>(ways.size());
+  for (std::size_t p = 0; p < id_.size(); ++p)
+    if (id_[p] >= first) rim_[p] = ways[id_[p] - first];
 }
 
 void MpmDiscretisation::set_fields(std::vector<int> field_of_body, int n_fields) {
@@ -139,13 +147,14 @@ void MpmDiscretisation::write_row(int p, double* row) const {
   row = std::copy_n(shift_[p].data(), 3, row);
   *row++ = stretch_[p];
   row = std::copy_n(edges_[p].data(), 9, row);
+  row = std::copy_n(rim_[p].data(), 3, row);
   material.write_row(p, row);
 }
 
 /// The points of all slices from rows; ascending ids make sums independent of the way the points came.
 void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& rows_of_slice) {
   id_.clear(), X_.clear(), x_.clear(), u_.clear(), v_.clear(), a_.clear(), C_.clear(), mass_.clear(), measure_.clear();
-  home_.clear(), shift_.clear(), stretch_.clear(), edges_.clear();
+  home_.clear(), shift_.clear(), stretch_.clear(), edges_.clear(), rim_.clear();
   std::vector<std::vector<double>> material_rows(rows_of_slice.size());
   for (std::size_t s = 0; s < rows_of_slice.size(); ++s) {
     const int width = row_width(static_cast<int>(s));
@@ -171,6 +180,8 @@ void MpmDiscretisation::place_points(const std::vector<std::vector<double>>& row
       stretch_.push_back(*row++);
       edges_.push_back(Eigen::Map<const Mat3>(row));
       row += 9;
+      rim_.emplace_back(row[0], row[1], row[2]);
+      row += 3;
       material_rows[s].insert(material_rows[s].end(), row, rows.data() + at + width);
     }
   }

@@ -37,6 +37,9 @@ public:
   void add_body(int body, const std::string& name, const Material& material, const SeededPoints& points,
                 double thickness);
 
+  /// Ways from the points of the body added last to its surface; zero: far. For gaps between bodies.
+  void tell_surface(const std::vector<Vec3>& ways);
+
   /// Bodies of different fields have nodes and cells of their own in the same grid, so that they can part and slide: a
   /// *layered* cell or node has the number of the grid's one plus field times how many there are. Before the first step.
   void set_fields(std::vector<int> field_of_body, int n_fields);
@@ -175,6 +178,8 @@ private:
   }
   // where fields meet (mpm_contact.cpp)
   void pair_nodes();
+  /// Where a point is now: in small strain x stays at X.
+  Vec3 now(int p) const { return x_[p] == X_[p] ? Vec3(X_[p] + u_[p]) : x_[p]; }
   void surfaces_of_interfaces(const std::vector<char>& held);
   void separate_points(const std::vector<char>& held);
   void gaps_of_interfaces();
@@ -277,6 +282,7 @@ private:
   std::vector<Mat3> C_;          ///< velocity gradient that the point carries (apic), else zero
   std::vector<double> mass_, measure_;
   std::vector<Mat3> edges_;  ///< of the domain at the start, by columns [m]
+  std::vector<Vec3> rim_;    ///< to the body's surface nearby at the start, else zero [m]
   std::vector<int> cell_;
   std::vector<int> layered_;  ///< of the step
   std::vector<int> home_;    ///< first cell of points with a fitted quadrature, else -1

@@ -1,6 +1,8 @@
 /// Where the fields of the grid meet (docs/theory/contact.md).
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 #include "transfer/mpm.hpp"
@@ -98,7 +100,7 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
         const int node = list[k];
         if (label[node] == 0.0 || is_filling(list, k)) continue;
         Eigen::Vector4d xi = Eigen::Vector4d::Zero();
-        xi.head(d) = (seen(p) - nodes[node]).head(d) / cell_size_;
+        xi.head(d) = (now(p) - nodes[node]).head(d) / cell_size_;
         xi[d] = 1.0;
         const double wrong = 1.0 / (1.0 + std::exp(label[node] * phi[node].dot(xi)));
         double* at = sum.data() + std::size_t(sums) * node;
@@ -133,8 +135,10 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
   }
 }
 
-/// How far each field reaches along its own normal.   [contact (3)]
+/// How far apart the surfaces of the two fields are along the normal at a node: the mean of what the points next to them
+/// say; where none does, how far the domains of the points reach.   [contact (3), (4)]
 void MpmDiscretisation::gaps_of_interfaces() {
+  constexpr double facing_enough = 0.5;  // cosine: sides of a corner do not count
   const int d = dimension();
   NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of them
   for (const Interface& at : interfaces_) {
@@ -142,17 +146,40 @@ void MpmDiscretisation::gaps_of_interfaces() {
     normal[at.b] = -at.normal;
   }
   halo.copy_to_ghosts(reinterpret_cast<double*>(normal.data()), 3);
+  NodalVector height(n_nodes(), Vec3::Zero());  // sums of weight, weight times height, weight times its square
   std::vector<double> reach(n_nodes(), -infinity);
-  for_points([&](std::span<const int> list, int p, const double*) {
-    const double half = 0.5 * std::pow(measure_[p] * swollen(p), 1.0 / d);
-    for (const int node : list)  // the same one twice does no harm
-      if (!normal[node].isZero(0.0))
-        reach[node] = std::max(reach[node], normal[node].dot(seen(p) - nodes[node]) + half);
+  for_points([&](std::span<const int> list, int p, const double* N) {
+    const Vec3 rim = material.F[p] * rim_[p];
+    const Vec3 outward = rim.isZero(0.0) ? rim : Vec3((material.F[p].inverse().transpose() * rim_[p]).normalized());
+    const Mat3 E = edges(p);
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const int node = list[k];
+      const Vec3& n = normal[node];
+      if (n.isZero(0.0) || is_filling(list, k)) continue;
+      const Vec3 from_node = now(p) - nodes[node];
+      reach[node] = std::max(reach[node], n.dot(from_node) + 0.5 * (n.transpose() * E).head(d).cwiseAbs().sum());
+      const double facing = outward.dot(n);
+      if (facing < facing_enough) continue;
+      const double z = outward.dot(from_node + rim) / facing, weight = N[k] * measure_[p] * facing * facing;
+      height[node] += weight * Vec3(1.0, z, z * z);
+    }
   });
+  halo.add_to_owners(reinterpret_cast<double*>(height.data()), 3);
   halo.combine_at_owners(reach.data(), 1, [](double& a, double b) { a = std::max(a, b); });
+  const auto surface = [&](int node, double& variance) {
+    const Vec3& sum = height[node];
+    if (!(sum[0] > 0.0)) {
+      variance += cell_size_ * cell_size_ / 16.0;
+      return reach[node];
+    }
+    const double mean = sum[1] / sum[0];
+    variance += std::max(0.0, sum[2] / sum[0] - mean * mean);
+    return mean;
+  };
   for (Interface& at : interfaces_) {
-    const double spacing = 0.5 * cell_size_;
-    at.gap = std::max(0.0, -(reach[at.a] + reach[at.b]) - 0.5 * spacing);
+    double variance = 0.0;
+    at.gap = std::max(0.0, -surface(at.a, variance) - surface(at.b, variance));
+    at.scatter = std::sqrt(variance);
     if (!std::isfinite(at.gap)) at.normal.setZero();  // a node without material: only surface points are near
   }
 }

@@ -255,6 +255,7 @@ void MpmDiscretisation::split_points() {
           x_[p] += factor * now;
           u_[p] += factor * (now - at_start);
           v_[p] += factor * C_[p] * now;
+          if (const double to = rim_[p].squaredNorm(); to > 0.0) rim_[p] *= std::max(0.0, 1.0 - factor * at_start.dot(rim_[p]) / to);
         };
         edges_[p].col(edge) *= 0.5;
         measure_[p] *= 0.5;

@@ -54,10 +54,16 @@ bool Model::run_stage(const std::function<void(const StepResult&)>& after) {
   const Integration integration = world->present_stage().solver.integration;
   while (!control.finished(world->time)) {
     const StepResult result = step.attempt(control.next(world->time), integration);
-    const bool too_far = integration == Integration::impl_ex ? control.reject_impl_ex(result.extrapolation_error)
-                                                             : control.reject_time_error(result.time_error);
-    if (!result.converged || too_far) {
+    if (!result.converged) {
       if (!control.can_cut()) return false;
+      control.cut();
+      continue;
+    }
+    if (integration == Integration::impl_ex && control.reject_impl_ex(result.extrapolation_error)) {
+      control.cut_impl_ex(result.extrapolation_error);
+      continue;
+    }
+    if (integration == Integration::implicit && control.reject_time_error(result.time_error)) {
       control.cut();
       continue;
     }

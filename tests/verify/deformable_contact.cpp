@@ -1,0 +1,106 @@
+/// Contact between deformable bodies: touches where bodies touch, in every kinematics, pulls nothing back, and heats only
+/// what slides.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+/// A block on or above another one of the same width, held at its base.
+std::string two_blocks(double distance, double cell, const std::string& model, const std::string& top,
+                       const std::string& steps) {
+  return fmt::format(R"toml(
+method = "mpm"
+model = {{ plane = "stress", {3} }}
+grid = {{ origin = [{0}, 0.0], cell_size = {1}, cells = [{2}, {4}] }}
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e6
+poisson_ratio = 0.0
+[body.low]
+material = "m"
+shape.box = {{ min = [0.0, 0.0], max = [1.0, 1.0] }}
+[body.up]
+material = "m"
+shape.box = {{ min = [0.0, {5}], max = [1.0, {6}] }}
+[boundary.base]
+where.box = {{ max = [1e3, 1e-6] }}
+ux = 0.0
+uy = 0.0
+[contact.c]
+body = "up"
+other = "low"
+kind = "frictionless"
+)toml",
+                     -cell, cell, static_cast<int>(1.0 / cell) + 2, model, static_cast<int>(3.0 / cell), 1.0 + distance,
+                     2.0 + distance) +
+         top + steps;
+}
+
+std::string moved_top(double distance, const std::string& motion) {
+  return fmt::format("[boundary.top]\nbody = \"up\"\nwhere.box = {{ min = [-1.0, {}] }}\nux = 0.0\nuy = \"{}\"\n",
+                     1.999 + distance, motion);
+}
+
+double base_force(const Model& m) { return m.step.balance().reactions.boundary[0].y(); }
+
+/// Gaps came from positions that small strain never moves: the blocks passed through each other.
+TEST(DeformableContact, BlocksMeetInSmallStrain) {
+  Model m(two_blocks(0.15, 0.25, "kinematics = \"small\"", moved_top(0.15, "-0.3*t"), "[steps]\ncount = 10\n"));
+  ASSERT_TRUE(m.run());
+  // Rigidly it would be E (0.3 - 0.15) / 2 = 75 kN; the penalty, and the part of a cell between the node and the surface,
+  // are soft: two blocks of four cells bear 54 kN.
+  EXPECT_GT(base_force(m), 50e3);
+  EXPECT_LT(base_force(m), 75e3);
+}
+
+/// The same in total Lagrangian, where the grid sees points where they started.
+TEST(DeformableContact, BlocksMeetInTotalLagrangian) {
+  Model m(two_blocks(0.15, 0.25, "formulation = \"total_lagrangian\"", moved_top(0.15, "-0.17*t"), "[steps]\ncount = 10\n"));
+  ASSERT_TRUE(m.run());
+  EXPECT_GT(base_force(m), 6.5e3);  // rigidly 10 kN
+  EXPECT_LT(base_force(m), 10e3);
+}
+
+/// Bodies that the grid will never see together were let through each other.
+TEST(DeformableContact, BodiesOutOfSightOfEachOtherAreRefused) {
+  for (const std::string model : {"kinematics = \"small\"", "formulation = \"total_lagrangian\""})
+    EXPECT_THROW(Model(two_blocks(0.15, 0.05, model, moved_top(0.15, "-0.1*t"), "[steps]\ncount = 1\n")), InputError);
+  EXPECT_NO_THROW(Model(two_blocks(0.15, 0.05, "kinematics = \"finite\"", moved_top(0.15, "-0.1*t"), "[steps]\ncount = 1\n")));
+}
+
+/// Blocks that had been parted pushed each other as soon as they came back.
+TEST(DeformableContact, PartedBlocksComeBackWithoutForce) {
+  for (const std::string model : {"kinematics = \"small\"", "kinematics = \"finite\""}) {
+    Model m(two_blocks(0.0, 0.125, model, moved_top(0.0, "0.04*min(t,1-t)"), "[steps]\ncount = 20\n"));
+    double largest = 0.0;
+    ASSERT_TRUE(m.run([&](const StepResult&) { largest = std::max(largest, std::abs(base_force(m))); }));
+    EXPECT_LT(largest, 50.0) << model;  // half a percent of what 2 cm of closing cost
+  }
+}
+
+/// Bodies touched a quarter of a cell early.
+TEST(DeformableContact, BlocksTouchWhereTheyAre) {
+  Model m(two_blocks(0.05, 0.125, "kinematics = \"finite\"", moved_top(0.05, "-0.048*t"), "[steps]\ncount = 8\n"));
+  ASSERT_TRUE(m.run());
+  EXPECT_LT(std::abs(base_force(m)), 1.0);
+}
+
+/// The energy of the penalty of a block that is laid on another one was called heat of sliding.
+TEST(DeformableContact, NothingSlidesNothingHeats) {
+  Model m(two_blocks(0.0, 0.25, "gravity = [0.0, \"-9.81*t\"]", "", "[steps]\ncount = 5\n"),
+          {"contact.c.kind=friction", "contact.c.friction=0.5"});
+  ASSERT_TRUE(m.run());
+  const Balance& balance = m.step.balance();
+  EXPECT_GT(balance.contact_work, 0.0);
+  EXPECT_LT(std::abs(balance.friction_work), 1e-6 * balance.external_work);
+}
+
+}  // namespace
+}  // namespace berm::verify
