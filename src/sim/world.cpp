@@ -153,6 +153,7 @@ void build_mpm(World& w) {
     boxes = boxes_of(*structure);
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
   std::vector<SurfacePoint> surface;
+  const std::vector<int> meets_others = fields_of_bodies(c);
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
     const int index = static_cast<int>(b);
@@ -183,7 +184,7 @@ void build_mpm(World& w) {
       add_surface_of_shape(c, index, region, spacing, surface);
     }
     mpm->add_body(index, body.name, material, points, c.thickness);
-    if (field[b] > 0) mpm->tell_surface(ways_to_surface(points.x, std::span(surface).subspan(first_piece), rim_width * h));
+    if (meets_others[b] > 0) mpm->tell_surface(ways_to_surface(points.x, std::span(surface).subspan(first_piece), rim_width * h));
     for (std::size_t p = 0; p < points.x.size(); ++p) {
       summary.measure += points.measure[p];
       summary.mass += points.measure[p] * depth(c.space, c.thickness, points.x[p].x()) * material.density;
