@@ -131,7 +131,9 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
 /// Of all IMPL-EX steps: [damage (11a)].
 double Recorder::largest_extrapolation_error() const {
   double largest = 0.0;
-  for (std::size_t k = 0; k < rows_.size(); k += n_columns_) largest = std::max(largest, rows_[k + error_column]);
+  for (std::size_t k = 0; k < rows_.size(); k += n_columns_)
+    if (rows_[k + error_column + 1] == static_cast<int>(Integration::impl_ex))
+      largest = std::max(largest, rows_[k + error_column]);
   return largest;
 }
 
