@@ -35,6 +35,12 @@ bool meets_deformable_bodies(const Case& c) {
   return std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
 }
 
+bool has_gauss_points(const Case& c) {
+  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) {
+    return !b.rigid && b.points.placement == PointSeeding::Placement::gauss;
+  });
+}
+
 bool has_boxes(const Case& c) {
   const auto* grid = std::get_if<StructuredGrid>(&c.grid);
   return grid && (grid->kind == GridKind::quads || grid->kind == GridKind::hexahedra);
@@ -69,8 +75,10 @@ void choose_functions(Case& c, Node& root) {
                           "energy (a block squeezed by 10 % carries two thirds of its load); without the key they do not");
     return;
   }
-  const bool fits = c.quadrature == Quadrature::points && c.volumetric != Volumetric::mixed;
-  if (!moves || !fits) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
+  const bool fits = c.quadrature == Quadrature::points && c.volumetric != Volumetric::mixed && !has_gauss_points(c);
+  if (!moves) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
+  if (!fits)
+    return write(c, root, "grid", "shape_functions", {"linear", "what else the case asks for goes with no other ones"});
   c.shape_functions = has_boxes(c) ? ShapeFunctions::cpgimp : ShapeFunctions::cpdi;
   write(c, root, "grid", "shape_functions",
         {has_boxes(c) ? "cpgimp" : "cpdi",

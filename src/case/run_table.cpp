@@ -85,7 +85,8 @@ void choose_mass(Scope& scope, Dynamics& d) {
   const Node::Entry* method = top->node.find("method");
   const std::string* name = method ? std::get_if<std::string>(&method->value.value) : nullptr;
   const bool fem = name && *name == "fem";
-  const bool fits = !fem && d.transfer != Dynamics::Transfer::apic && d.integrator == Dynamics::Integrator::newmark;
+  const bool fits = !fem && d.transfer != Dynamics::Transfer::apic && d.integrator == Dynamics::Integrator::newmark &&
+                    d.projection_order == 1;
   d.mass = fits ? Dynamics::Mass::consistent : Dynamics::Mass::lumped;
   scope.node.set("mass", Node(std::string(fits ? "consistent" : "lumped"), scope.place));
 }

@@ -56,7 +56,7 @@ void inherit(Scope& root, Node& stage, const char* key) {
   }
   if (!own->value.is_object()) return;  // reported where it is read
   const auto belongs_to = [](const std::string& name) -> std::string_view {
-    return name == "alpha" ? "integrator" : name == "flip_fraction" ? "transfer" : "";
+    return name == "alpha" ? "integrator" : name == "flip_fraction" || name == "projection_order" ? "transfer" : "";
   };
   std::vector<Node::Entry> missing;
   for (const Node::Entry& entry : common->value.object())

@@ -242,6 +242,8 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, StepL
   m.residual = &residual;
   m.jacobian = &jacobian;
   m.residuals.clear();
+  m.best.clear();
+  m.least = 0.0;
   m.error = nullptr;
   copy(x, m.x);
   SNESSetTolerances(m.snes, tolerance, 0.0, 0.0, most, 100000);
@@ -266,7 +268,7 @@ NewtonResult NewtonSolver::solve(std::vector<double>& x, double tolerance, StepL
   result.converged = code == 0 && reason > 0;
   if (code != 0)
     result.reason = "PETSc error " + std::to_string(code);
-  else if (reason == SNES_DIVERGED_LOCAL_MIN && m.goes_round())
+  else if ((result.stood_still = reason == SNES_DIVERGED_LOCAL_MIN && m.goes_round()))
     result.reason = "the residual no longer falls";
   else if (!result.converged)
     result.reason = SNESConvergedReasons[reason];

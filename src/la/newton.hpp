@@ -23,6 +23,7 @@ struct NewtonResult {
   double residual = 0.0;          ///< last norm [N]
   std::vector<double> residuals;  ///< norm of every iteration, the first one before any
   std::string reason;             ///< why it did not converge
+  bool stood_still = false;       ///< it ended because the residual no longer fell
   std::vector<double> best;       ///< unknowns with the smallest norm on the way
   double least = 0.0;             ///< that norm [N]
 };

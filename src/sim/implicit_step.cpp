@@ -308,10 +308,12 @@ std::vector<double> ImplicitStep::velocity_of_prescribed(double t0, double t1) c
 /// Prescribed velocities are differences over a small part of the step at its ends.   [dynamics (6)]
 void ImplicitStep::prescribe_motion(double dt) {
   const double part = small_part * dt;
+  std::vector<double> v0, v1;
   world_.comm.agree([&] {
-    motion_->prescribe(*world_.discretisation, dt, world_.boundary->fixed(), velocity_of_prescribed(t0_, t0_ + part),
-                       velocity_of_prescribed(t1_ - part, t1_));
+    v0 = velocity_of_prescribed(t0_, t0_ + part);
+    v1 = velocity_of_prescribed(t1_ - part, t1_);
   });
+  motion_->prescribe(*world_.discretisation, dt, world_.boundary->fixed(), v0, v1);
 }
 
 /// The motion of the nodes at t_n and of the prescribed ones over the step.
@@ -349,8 +351,7 @@ void ImplicitStep::forces_at_start(bool begins) {
   }
   world_.boundary->grid_contact().begin_step(d);
   d.evaluate(du_, settings);
-  // With F-bar the mean over the points that are in a cell now counts, as in the step to come.
-  if (!begins && world_.spec.volumetric == Volumetric::standard) recall_stresses(d.material, settings_.kinematics);
+  if (!begins && world_.spec.volumetric != Volumetric::mixed) recall_stresses(d.material, settings_.kinematics);
   du_ = no_motion();
   old_internal_ = internal_force();
   old_external_ = weight_at(t0_);
@@ -420,6 +421,22 @@ void ImplicitStep::check_motions() const {
   });
 }
 
+/// Takes the unknowns with the smallest residual on the way for equilibrium, if it is below the bound with contacts as they
+/// are there, and not as they were frozen later.
+bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<double>& x) {
+  if (newton.residuals.empty() || !(newton.least <= bound)) return false;
+  world_.boundary->grid_contact().begin_step(*world_.discretisation);
+  cached_r_.clear();
+  std::vector<double> r;
+  x = newton.best;
+  if (!residual(x, r)) return false;
+  double sum = 0.0;
+  for (const double value : r) sum += value * value;
+  newton.residual = std::sqrt(world_.comm.sum(sum));
+  newton.converged = newton.residual <= bound;
+  return newton.converged;
+}
+
 /// Whether the contacts of the trial state are as assumed.
 bool ImplicitStep::is_fair() const {
   return world_.boundary->grid_contact().violation(*world_.discretisation, du_) <= most_violation;
@@ -470,7 +487,8 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
   NewtonResult newton;
-  for (const Attempt& attempt : attempts(s)) {
+  const std::vector<Attempt> tries = attempts(s);
+  for (const Attempt& attempt : tries) {
     x = guess;
     world_.boundary->grid_contact().begin_step(*world_.discretisation);
     newton = solve(x, tolerance, attempt);
@@ -480,12 +498,10 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
       newton.reason = "bodies part, stick or slide otherwise than assumed in the step";
     }
     if (newton.converged) break;
-    if (newton.least <= still_tolerance * scale && !newton.best.empty()) {
-      x = newton.best;
-      residual(x, r);
-      newton.residual = newton.least;
-      result.stood_still = newton.converged = is_fair();
-      if (newton.converged) break;
+    const bool last = &attempt == &tries.back();
+    if ((newton.stood_still || last) && take_still(newton, still_tolerance * scale, x)) {
+      result.stood_still = true;
+      break;
     }
   }
   result.converged = newton.converged;

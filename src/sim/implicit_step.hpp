@@ -92,6 +92,7 @@ private:
   };
   std::vector<Attempt> attempts(const Solver& s) const;
   bool is_fair() const;
+  bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);
   NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
   double gauge_value() const;

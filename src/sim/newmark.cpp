@@ -1,5 +1,6 @@
 #include "sim/newmark.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace berm {
@@ -94,10 +95,13 @@ void Newmark::fit(const Discretisation& d) {
   r = free_part(std::move(r));
   NodalVector z = over_mass(d, r), p = z;
   double rz = dot(r, z);
-  const double enough = tolerance * tolerance * dot(momentum_, over_mass(d, momentum_));
+  // Of a body at rest whose supports move there is nothing but what they give it.
+  const double enough = tolerance * tolerance * std::max(rz, dot(momentum_, over_mass(d, momentum_)));
   for (int k = 0; k < most && rz > enough; ++k) {
     const NodalVector q = free_part(times_mass(p));
-    const double step = rz / dot(p, q);
+    const double pq = dot(p, q);
+    if (!(pq > 0.0)) break;
+    const double step = rz / pq;
     for (std::size_t i = 0; i < n; ++i) {
       v0_[i] += step * p[i];
       r[i] -= step * q[i];

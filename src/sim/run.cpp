@@ -251,7 +251,7 @@ private:
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "
-                        "{:.2g}, and the step could not be cut: make steps.min_fraction smaller",
+                        "{:.2g}, and the step could not be cut: make steps.min_fraction smaller, with adaptive steps",
                         value, tolerance));
       if (const double share = value / world_->discretisation->cell_size();
           name == "contact_gap_scatter [m]" && share > coarse_gap)

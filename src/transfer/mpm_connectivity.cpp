@@ -70,7 +70,7 @@ void MpmDiscretisation::find_carriers(const std::vector<Anchor*>& anchors,
   for (std::size_t i = 0; i < anchors.size(); ++i) {
     const Anchor& a = *anchors[i];
     carrier_.push_back(layered_cell(a.cell, a.body));
-    if (a.rigid || is_filled(carrier_.back())) continue;
+    if (a.rigid || a.keeps || is_filled(carrier_.back())) continue;
     const Vec3 x = seen(a);
     mine.insert(mine.end(), {double(carrier_.back()), x.x(), x.y(), x.z()});
     who.push_back(i);

@@ -195,7 +195,8 @@ TYPED_TEST(EveryDamageLaw, ExtrapolationErrorIsThatOfTheStressOverTheStrength) {
   const Voigt s = concrete<TypeParam>().lame().stress(curved_path(0.9));
   for (double t : {0.3, 0.6, 0.9}) point.step(curved_path(t));
   const double used = 1.0 - point.out.stress.dot(s) / s.squaredNorm();
-  const double beyond = point.state[damage_state::r] / point.law.threshold();
+  double beyond = 1.0;  // elasticity has no damage to be wrong about
+  if constexpr (requires { point.law.threshold(); }) beyond = point.state[damage_state::r] / point.law.threshold();
   EXPECT_NEAR(point.out.extrapolation_error, std::abs(used - point.out.damage) * beyond, 1e-12);
 }
 
