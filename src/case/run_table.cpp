@@ -62,7 +62,7 @@ Table<Solver> solver_table() {
   t.integer("max_iterations", &Solver::max_iterations, {1.0, 10000.0}, "Newton iterations before the step is cut");
   t.boolean("line_search", &Solver::line_search, "shorten Newton steps that do not reduce the residual");
   t.number("ghost_penalty", &Solver::ghost_penalty, Unit::none, non_negative(),
-           "stabilisation of barely filled cells in units of Young's modulus; 0 switches it off. Default: 0.001, with "
+           "stabilisation of barely filled cells in units of Young's modulus; 0 switches it off. Default: 0.001, with elastic and brittle laws and "
            "domains that follow the body (cpgimp, b2gimp, cpdi; finite strain, updated Lagrangian) 0.03")
       .no_default();
   using Linear = Solver::Linear;
@@ -74,21 +74,6 @@ Table<Solver> solver_table() {
            "iterative: residual over right-hand side");
   t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
   return t;
-}
-
-/// Velocities can be fitted with the consistent mass where points carry nothing else; FEM and what damps numerically have a
-/// lumped one.   [dynamics (20)]
-void choose_mass(Scope& scope, Dynamics& d) {
-  if (scope.has("mass")) return;
-  const Scope* top = &scope;
-  while (top->outer) top = top->outer;
-  const Node::Entry* method = top->node.find("method");
-  const std::string* name = method ? std::get_if<std::string>(&method->value.value) : nullptr;
-  const bool fem = name && *name == "fem";
-  const bool fits = !fem && d.transfer != Dynamics::Transfer::apic && d.integrator == Dynamics::Integrator::newmark &&
-                    d.projection_order == 1;
-  d.mass = fits ? Dynamics::Mass::consistent : Dynamics::Mass::lumped;
-  scope.node.set("mass", Node(std::string(fits ? "consistent" : "lumped"), scope.place));
 }
 
 Table<Dynamics> dynamics_table() {
@@ -106,7 +91,7 @@ Table<Dynamics> dynamics_table() {
   t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
            "mass matrix of the equation of motion, and of the projection of velocities to the nodes: consistent keeps the "
            "energy of material points, lumped loses some in every step. Default: consistent with method \"mpm\", "
-           "integrator \"newmark\" and transfers other than \"apic\", else lumped")
+           "integrator \"newmark\", transfers other than \"apic\" and elastic laws, else lumped")
       .no_default();
   t.choice("transfer", &Dynamics::transfer,
            Words<Transfer>{{"flip", Transfer::flip},
@@ -131,7 +116,6 @@ Table<Dynamics> dynamics_table() {
   t.number("error_tolerance", &Dynamics::error_tolerance, Unit::none, non_negative(),
            "error of a step aimed at: that of the mean acceleration over a step, relative to the displacement; 0: the "
            "effort of Newton's method alone decides on the steps");
-  t.check(choose_mass);
   return t;
 }
 

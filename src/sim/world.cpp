@@ -119,8 +119,12 @@ ShapeChoice shape_choice(const Case& c) {
   }
 }
 
-/// Domains that follow the body tear off at its ends with the smaller one.   [formulation, section 6]
-double default_ghost_penalty(const ShapeChoice& functions) { return functions.follows ? 0.03 : 1e-3; }
+/// Domains that follow an elastic body tear off at its ends with the smaller one; what flows is held back by the larger one.
+/// [formulation, section 6]
+double default_ghost_penalty(const Case& c, const ShapeChoice& functions) {
+  const bool flows = std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return is_plastic(m.law); });
+  return functions.follows && !flows ? 0.03 : 1e-3;
+}
 
 /// The same for grids from files as check_mixed of the case for those of cells.
 void check_mixed_grid(const Case& c, const Mesh& grid) {
@@ -143,7 +147,7 @@ void build_mpm(World& w) {
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
   const ShapeChoice functions = shape_choice(c);
-  const double ghost_penalty = c.solver.ghost_penalty.value_or(default_ghost_penalty(functions));
+  const double ghost_penalty = c.solver.ghost_penalty.value_or(default_ghost_penalty(c, functions));
   auto mpm = std::make_unique<MpmDiscretisation>(std::move(grid), c.space, ghost_penalty, c.formulation, w.comm, c.volumetric,
                                                  functions);
   // Boxes tile a body; triangles and tetrahedra would get boxes that overlap.
