@@ -94,9 +94,10 @@ void choose_volumetric(Case& c, Node& root) {
         {"f_bar", "a law flows without change of volume, or nearly so, and would lock"});
 }
 
-bool all_elastic(const Case& c) {
+bool all_elastic_or_fluid(const Case& c) {
   return std::all_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
-    return std::holds_alternative<LinearElastic>(m.law) || std::holds_alternative<NeoHookean>(m.law);
+    return std::holds_alternative<LinearElastic>(m.law) || std::holds_alternative<NeoHookean>(m.law) ||
+           std::holds_alternative<Newtonian>(m.law);
   });
 }
 
@@ -109,7 +110,7 @@ void choose_mass(Case& c, Node& root) {
     if (!s.name.empty()) at = &root.find("stage")->value.find(s.name)->value;
     Node::Entry* entry = at->find("dynamics");
     if (entry && entry->value.find("mass")) continue;
-    const bool fits = all_elastic(c) && s.dynamics.transfer != Dynamics::Transfer::apic &&
+    const bool fits = all_elastic_or_fluid(c) && s.dynamics.transfer != Dynamics::Transfer::apic &&
                       s.dynamics.integrator == Dynamics::Integrator::newmark && s.dynamics.projection_order == 1;
     s.dynamics.mass = fits ? Dynamics::Mass::consistent : Dynamics::Mass::lumped;
     Node& node = entry ? entry->value : at->set("dynamics", Node());

@@ -58,7 +58,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   problems.throw_if_any(path);
   case_table().read(scope, c);
   line_up_stages(c);
-  choose_defaults(c, root);
+  if (problems.empty()) choose_defaults(c, root);  // else the tree may hold anything
   check_case(c, root, problems);
   problems.throw_if_any(path);
   set_ends(c);

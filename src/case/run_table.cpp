@@ -91,7 +91,7 @@ Table<Dynamics> dynamics_table() {
   t.choice("mass", &Dynamics::mass, Words<Mass>{{"lumped", Mass::lumped}, {"consistent", Mass::consistent}},
            "mass matrix of the equation of motion, and of the projection of velocities to the nodes: consistent keeps the "
            "energy of material points, lumped loses some in every step. Default: consistent with method \"mpm\", "
-           "integrator \"newmark\", transfers other than \"apic\" and elastic laws, else lumped")
+           "integrator \"newmark\", transfers other than \"apic\" and elastic laws or fluids, else lumped")
       .no_default();
   t.choice("transfer", &Dynamics::transfer,
            Words<Transfer>{{"flip", Transfer::flip},

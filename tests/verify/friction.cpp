@@ -131,7 +131,7 @@ TEST(Friction, MatrixAgainstDifferences) {
     assembler.zero(std::vector<char>(n, 0), d.n_nodes(), 1.0);
     NodalVector unused(d.n_nodes(), Vec3::Zero());
     bc.add_forces(d, du, 0.0, 1.0, unused, &assembler);
-    EXPECT_GT(bc.friction_work(du, 0.0, 1.0), 0.0);
+    EXPECT_GT(bc.contact_work(du, 0.0, 1.0).heat, 0.0);
     const CsrMatrix& m = assembler.matrix();
     double worst = 0.0, largest = 0.0;
     for (int column = 0; column < n; ++column) {

@@ -149,7 +149,7 @@ TEST(Mixed, InvertedPointIsNotAdmissible) {
   }
 }
 
-/// A cell that anchors alone keep active has no pressure; when points come, it gets one.
+/// A cell that an anchor alone keeps active has no pressure; when points come, it gets one.
 TEST(Mixed, CellsWithoutPointsHaveNoPressure) {
   MpmDiscretisation mpm(grid_of(Space::plane_strain, GridKind::quads), Space::plane_strain, 0.0,
                         Formulation::updated_lagrangian, Comm{}, Volumetric::mixed);
@@ -157,6 +157,7 @@ TEST(Mixed, CellsWithoutPointsHaveNoPressure) {
   mpm.move_points(1.2);
   Anchor anchor;
   anchor.X = anchor.x = corner + Vec3(1.1 * h, 0.5 * h, 0.0);
+  anchor.keeps = true;
   mpm.locate(anchor);
   mpm.begin_step({&anchor});
   EXPECT_EQ(mpm.active_cells().size(), 2u);
