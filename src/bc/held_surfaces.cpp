@@ -1,6 +1,7 @@
 /// Boundaries on the surface of a body, which move with it.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <span>
 
@@ -57,9 +58,10 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       held_.push_back(point);
     }
   }
-  const int taken = part_supports(held_, 0.5 * cell_size_, [&](const HeldPoint& p, const HeldPoint& q) {
+  const int taken = part_supports(held_, cell_size_, [&](const HeldPoint& p, const HeldPoint& q) {
     const NodeBoundary &a = c.boundaries[p.boundary], &b = c.boundaries[q.boundary];
-    return a.body == b.body && share_a_stage(a.stages, b.stages) && disagree(a, b);
+    const bool crossing = p.slides && q.slides && std::abs(p.normal.dot(q.normal)) < 0.9;  // a corner of sliding walls
+    return a.body == b.body && share_a_stage(a.stages, b.stages) && disagree(a, b) && !crossing;
   });
   if (taken > 0) warnings_.push_back(fmt::format(parted, "boundaries"));
 }

@@ -11,8 +11,8 @@
 namespace berm {
 
 inline constexpr const char* parted =
-    "{} that touch each other move differently: half a cell of each is left free where they meet, since the displacement "
-    "needs a cell to change";
+    "{} that touch each other move differently: a cell of each is left free where they meet, since nodes that both reach "
+    "would have to follow both";
 
 /// Takes out the surface points that lie within `reach` of one that moves otherwise, and returns how many: the
 /// displacement of the grid is continuous, so two penalties would pull at the nodes that they share.

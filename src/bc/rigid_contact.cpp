@@ -72,7 +72,7 @@ void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
           fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
                       spec.body, spec.rigid));
   }
-  const int taken = part_supports(contacts_, 0.5 * cell_size_, [&](const ContactPoint& p, const ContactPoint& q) {
+  const int taken = part_supports(contacts_, cell_size_, [&](const ContactPoint& p, const ContactPoint& q) {
     const Contact &a = c.contacts[p.contact], &b = c.contacts[q.contact];
     return a.kind == Contact::Kind::tie && b.kind == Contact::Kind::tie && a.body == b.body &&
            share_a_stage(a.stages, b.stages) && motion_of_rigid(c, a) != motion_of_rigid(c, b);

@@ -94,12 +94,13 @@ TEST(DeformableContact, BlocksTouchWhereTheyAre) {
 
 /// The energy of the penalty of a block that is laid on another one was called heat of sliding.
 TEST(DeformableContact, NothingSlidesNothingHeats) {
-  Model m(two_blocks(0.0, 0.25, "gravity = [0.0, \"-9.81*t\"]", "", "[steps]\ncount = 5\n"),
+  Model m(two_blocks(0.0, 0.25, "gravity = [0.0, \"-9.81*t\"]", "",
+                     "[steps]\nanalysis = \"dynamic\"\nduration = 0.5\ncount = 50\n"),
           {"contact.c.kind=friction", "contact.c.friction=0.5"});
   ASSERT_TRUE(m.run());
   const Balance& balance = m.step.balance();
   EXPECT_GT(balance.contact_work, 0.0);
-  EXPECT_LT(std::abs(balance.friction_work), 1e-6 * balance.external_work);
+  EXPECT_LT(std::abs(balance.friction_work), 1e-3 * balance.external_work);
 }
 
 }  // namespace
