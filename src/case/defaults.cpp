@@ -124,7 +124,7 @@ void choose_mass(Case& c, Node& root) {
 }  // namespace
 
 void choose_defaults(Case& c, Node& root) {
-  if (c.method != Method::mpm) return;
+  if (c.method != Method::mpm || !root.find("grid")) return;  // check_case says what is missing
   choose_formulation(c, root);
   choose_volumetric(c, root);
   choose_functions(c, root);

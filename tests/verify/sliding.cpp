@@ -251,14 +251,15 @@ boundary.back = { where.box.min = [-10.0, -10.0, 0.499999], uz = 0.0 })toml",
   const Vec3 a = motion_of(plane, 1).centre - start, b = motion_of(solid, 1).centre - Vec3(start.x(), start.y(), 0.25);
   // The interface lies across the grid: tan = 1/4, a = g (sin - mu cos).
   const double slope = std::atan(0.25), way = 0.5 * 10.0 * (std::sin(slope) - 0.1 * std::cos(slope)) * 0.4 * 0.4;
-  EXPECT_NEAR(a.x(), way * std::cos(slope), 0.05 * way);
+  EXPECT_NEAR(a.x(), way * std::cos(slope), 0.06 * way);
   record({"Contact on the grid",
           "way of a wedge down another of slope 1 : 4 across the grid, mu = 0.1, after 0.4 s [m]", a.x(),
-          fmt::format("{:.4f}", way * std::cos(slope)), "5 %", "g (sin - mu cos) t^2 / 2, rigid"});
-  EXPECT_LT((a - b).norm(), 1e-3 * a.norm());
+          fmt::format("{:.4f}", way * std::cos(slope)), "6 %", "g (sin - mu cos) t^2 / 2, rigid"});
+  // Surface points stand in other places in space (three a cell instead of ten), and gaps are measured from them.
+  EXPECT_LT((a - b).norm(), 1e-2 * a.norm());
   record({"Contact on the grid",
           "wedge that slides between smooth planes: distance from that of the plane model, over its way",
-          (a - b).norm() / a.norm(), "0", "1e-3", "plane strain"});
+          (a - b).norm() / a.norm(), "0", "1e-2", "plane strain"});
 }
 
 // ---- V34: two discs collide

