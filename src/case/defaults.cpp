@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "law/kinds.hpp"
+
 namespace berm {
 namespace {
 
@@ -79,10 +81,20 @@ void choose_functions(Case& c, Node& root) {
   if (!moves) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
   if (!fits)
     return write(c, root, "grid", "shape_functions", {"linear", "what else the case asks for goes with no other ones"});
-  c.shape_functions = has_boxes(c) ? ShapeFunctions::cpgimp : ShapeFunctions::cpdi;
-  write(c, root, "grid", "shape_functions",
-        {has_boxes(c) ? "cpgimp" : "cpdi",
-         "points move through the grid: their domains cross the lines of the cells smoothly"});
+  const bool flows =
+      std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return flows_far(m.law); });
+  if (!has_boxes(c)) {
+    c.shape_functions = ShapeFunctions::cpdi;
+    write(c, root, "grid", "shape_functions", {"cpdi", "points move through the grid, which is not of boxes"});
+  } else if (flows) {
+    c.shape_functions = ShapeFunctions::ugimp;
+    write(c, root, "grid", "shape_functions",
+          {"ugimp", "points move through the grid and far past each other: their domains keep their size"});
+  } else {
+    c.shape_functions = ShapeFunctions::cpgimp;
+    write(c, root, "grid", "shape_functions",
+          {"cpgimp", "points move through the grid: their domains cross the lines of the cells smoothly"});
+  }
 }
 
 void choose_volumetric(Case& c, Node& root) {

@@ -12,6 +12,7 @@
 #include "bc/case_lookup.hpp"
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
+#include "law/kinds.hpp"
 #include "mesh/gmsh.hpp"
 #include "method/depth.hpp"
 #include "sim/surfaces.hpp"
@@ -122,9 +123,8 @@ ShapeChoice shape_choice(const Case& c) {
 /// Domains that follow a body tear off at its ends with the smallest one, boxes of linear functions soonest; soil and water
 /// that flow are held back by the larger ones.   [formulation, section 6]
 double default_ghost_penalty(const Case& c, const ShapeChoice& functions) {
-  const bool flows = std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
-    return is_plastic(m.law) && !std::holds_alternative<VonMises>(m.law);
-  });
+  const bool flows =
+      std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return flows_far(m.law); });
   if (!functions.follows || flows) return 1e-3;
   return functions.domain == ShapeChoice::Domain::box && functions.degree == 1 ? 0.1 : 0.03;
 }

@@ -52,7 +52,7 @@ TEST_F(ChosenDefaults, BrittleSpecimensAreTotalLagrangian) {
 }
 
 TEST_F(ChosenDefaults, FBarWhereALawLocks) {
-  EXPECT_EQ(chosen(head + tresca + body), (Chosen{updated_lagrangian, cpgimp, f_bar}));
+  EXPECT_EQ(chosen(head + tresca + body), (Chosen{updated_lagrangian, ugimp, f_bar}));
   EXPECT_EQ(chosen(head + tresca + body, {"model.kinematics=small"}), (Chosen{updated_lagrangian, linear, f_bar}));
   EXPECT_EQ(chosen(head + material("linear_elastic", 0.49) + body), (Chosen{updated_lagrangian, cpgimp, f_bar}));
   EXPECT_EQ(chosen(head + material("linear_elastic", 0.49) + body, {"model.plane=stress"}),
@@ -63,7 +63,7 @@ TEST_F(ChosenDefaults, FBarWhereALawLocks) {
 TEST_F(ChosenDefaults, EveryKeyOverrides) {
   const std::string text = head + tresca + body;
   EXPECT_EQ(chosen(text, {"grid.shape_functions=linear"}), (Chosen{updated_lagrangian, linear, f_bar}));
-  EXPECT_EQ(chosen(text, {"model.volumetric=standard"}), (Chosen{updated_lagrangian, cpgimp, standard}));
+  EXPECT_EQ(chosen(text, {"model.volumetric=standard"}), (Chosen{updated_lagrangian, ugimp, standard}));
   EXPECT_EQ(chosen(head + brittle + body, {"model.formulation=updated_lagrangian"}),
             (Chosen{updated_lagrangian, cpgimp, standard}));
 }
@@ -71,7 +71,7 @@ TEST_F(ChosenDefaults, EveryKeyOverrides) {
 /// What was chosen stands in the resolved case, which gives the same case again, and is told.
 TEST_F(ChosenDefaults, AreWrittenOutAndTold) {
   const Case c = read(head + tresca + body);
-  EXPECT_NE(c.resolved.find("shape_functions = \"cpgimp\""), std::string::npos);
+  EXPECT_NE(c.resolved.find("shape_functions = \"ugimp\""), std::string::npos);
   EXPECT_NE(c.resolved.find("volumetric = \"f_bar\""), std::string::npos);
   EXPECT_EQ(c.choices.size(), 2u);
   const Case again = read(c.resolved);
