@@ -48,17 +48,17 @@ bool has_boxes(const Case& c) {
   return grid && (grid->kind == GridKind::quads || grid->kind == GridKind::hexahedra);
 }
 
-bool has_fluid(const Case& c) {
-  return std::any_of(c.materials.begin(), c.materials.end(),
-                     [](const Material& m) { return std::holds_alternative<Newtonian>(m.law); });
-}
-
 /// Laws that flow while their volume stays, or is bound to the shear, and bodies that are nearly incompressible.
 bool locks(const Case& c) {
   return std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
     const auto lame = elastic_constants(m.law);
     return is_plastic(m.law) || (lame && lame->lambda / (2.0 * (lame->lambda + lame->mu)) >= nearly_incompressible);
   });
+}
+
+bool has_fluid(const Case& c) {
+  return std::any_of(c.materials.begin(), c.materials.end(),
+                     [](const Material& m) { return std::holds_alternative<Newtonian>(m.law); });
 }
 
 void choose_formulation(Case& c, Node& root) {
@@ -81,12 +81,11 @@ void choose_functions(Case& c, Node& root) {
   if (!moves) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
   if (!fits)
     return write(c, root, "grid", "shape_functions", {"linear", "what else the case asks for goes with no other ones"});
-  const bool flows =
-      std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return flows_far(m.law); });
+  const bool soil = std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return is_soil(m.law); });
   if (!has_boxes(c)) {
     c.shape_functions = ShapeFunctions::cpdi;
     write(c, root, "grid", "shape_functions", {"cpdi", "points move through the grid, which is not of boxes"});
-  } else if (flows) {
+  } else if (soil && !has_fluid(c)) {  // water with ugimp runs through the floor of the grid
     c.shape_functions = ShapeFunctions::ugimp;
     write(c, root, "grid", "shape_functions",
           {"ugimp", "points move through the grid and far past each other: their domains keep their size"});

@@ -5,10 +5,12 @@
 
 namespace berm {
 
-/// Soil and fluids, whose places move far past each other.
-inline bool flows_far(const AnyLaw& law) {
+/// Grains, whose places move far past each other.
+inline bool is_soil(const AnyLaw& law) {
   return std::holds_alternative<MohrCoulomb>(law) || std::holds_alternative<DruckerPrager>(law) ||
-         std::holds_alternative<ModifiedCamClay>(law) || std::holds_alternative<Newtonian>(law);
+         std::holds_alternative<ModifiedCamClay>(law);
 }
+
+inline bool flows_far(const AnyLaw& law) { return is_soil(law) || std::holds_alternative<Newtonian>(law); }
 
 }  // namespace berm
