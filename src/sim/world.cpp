@@ -120,13 +120,12 @@ ShapeChoice shape_choice(const Case& c) {
   }
 }
 
-/// Domains that follow a body tear off at its ends with the smallest one, boxes of linear functions soonest; soil and water
-/// that flow are held back by the larger ones.   [formulation, section 6]
+/// Domains that follow a body tear off at its ends with the smaller one; soil and water that flow are held back by the larger
+/// one.   [formulation, section 6]
 double default_ghost_penalty(const Case& c, const ShapeChoice& functions) {
   const bool flows =
       std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return flows_far(m.law); });
-  if (!functions.follows || flows) return 1e-3;
-  return functions.domain == ShapeChoice::Domain::box && functions.degree == 1 ? 0.1 : 0.03;
+  return functions.follows && !flows ? 0.03 : 1e-3;
 }
 
 /// The same for grids from files as check_mixed of the case for those of cells.
