@@ -143,6 +143,30 @@ bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
   return solved;
 }
 
+/// MUMPS guesses its work space before it pivots: INFO(1) = -8, -9 say that it was too small, by how much nobody knows.
+bool LinearSolver::ran_out_of_space() const {
+  PC pc;
+  Mat factors = nullptr;
+  PetscInt info = 0;
+  KSPGetPC(ksp_, &pc);
+  if (PCFactorGetMatrix(pc, &factors) != 0 || !factors) return false;
+  MatMumpsGetInfo(factors, 1, &info);
+  return info == -8 || info == -9;
+}
+
+/// From the next factorisation on, with more of it, in per cent.
+bool LinearSolver::solve_with_more_space(Vec b, Vec x, int* iterations) {
+  for (const char* percent : {"100", "400", "1600"}) {
+    if (!ran_out_of_space()) return false;
+    PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", percent);
+    KSPDestroy(&ksp_);
+    ksp_ = make_direct("");
+    check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+    if (run(ksp_, b, x, iterations)) return true;
+  }
+  return false;
+}
+
 bool LinearSolver::solve(Vec b, Vec x) {
   const Stopwatch watch(seconds_);
   ++count_.solves;
@@ -154,7 +178,7 @@ bool LinearSolver::solve(Vec b, Vec x) {
       stagnated_ = 0;
       return true;
     }
-    if (!iterative_) return false;
+    if (!iterative_) return solve_with_more_space(b, x, &iterations);
     ++stagnated_;
   }
   ++count_.fallbacks;

@@ -34,6 +34,8 @@ private:
   void set_rigid_modes(const SystemLayout& layout);
   void make_iterative();
   KSP make_direct(const char* prefix) const;
+  bool ran_out_of_space() const;
+  bool solve_with_more_space(Vec b, Vec x, int* iterations);
   bool run(KSP ksp, Vec b, Vec x, int* iterations);
   bool iterate(Vec b, Vec x, int* iterations);
 
