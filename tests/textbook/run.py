@@ -46,8 +46,8 @@ tests/textbook/run.py build/release/berm --best --fem --markdown docs/defaults.m
 ```
 
 What is not right with defaults in November 2026, and why: `bar_drawn` tears off at a stretch of 1.95 (boxes of cpGIMP; `cpdi` and `b2gimp` hold, and the run says that it
-stopped); `mixed_plastic_stretch` (stabilisation from the elastic modulus; `f_bar` is right); `footing_sand`, `vertical_cut` (cells too coarse for the mechanism: 6 to 7 % on
-the unsafe side, less with smaller ones); `footing` (the edge of a rigid footing: contact); `wall_passive` (right as far as it comes, but slow: states of contact come and go);
+stopped); `mixed_plastic_stretch` (stabilisation from the elastic modulus; `f_bar` is right); `footing_sand`, `vertical_cut` (F-bar on these cells: 6 to 7 % on
+the unsafe side); `footing` (the edge of a rigid footing: contact); `wall_passive` (right as far as it comes, but slow: states of contact come and go);
 `bending_strip`, `bending_rollers` (IMPL-EX and a snap-back, cells of 10 mm); `caps`, `contact_small_strain`, `contact_total_lagrangian` (contact at the nodes is as soft as a
 cell; the last is refused with its remedy); `dam_break` (no numerical damping: 25 % ahead of a test with gate and friction).
 """
