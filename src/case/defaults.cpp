@@ -28,9 +28,13 @@ void write(Case& c, Node& root, const char* table, const char* key, const Choice
   c.choices.push_back(fmt::format("{}.{} = \"{}\": {}", table, key, choice.value, choice.why));
 }
 
+template <class Test>
+bool any_law(const Case& c, Test test) {
+  return std::any_of(c.materials.begin(), c.materials.end(), [&](const Material& m) { return test(m.law); });
+}
+
 bool all_damage(const Case& c) {
-  return !c.materials.empty() &&
-         std::all_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return is_damage(m.law); });
+  return !c.materials.empty() && !any_law(c, [](const AnyLaw& law) { return !is_damage(law); });
 }
 
 bool meets_deformable_bodies(const Case& c) {
@@ -50,15 +54,14 @@ bool has_boxes(const Case& c) {
 
 /// Laws that flow while their volume stays, or is bound to the shear, and bodies that are nearly incompressible.
 bool locks(const Case& c) {
-  return std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
-    const auto lame = elastic_constants(m.law);
-    return is_plastic(m.law) || (lame && lame->lambda / (2.0 * (lame->lambda + lame->mu)) >= nearly_incompressible);
+  return any_law(c, [](const AnyLaw& law) {
+    const auto lame = elastic_constants(law);
+    return is_plastic(law) || (lame && lame->lambda / (2.0 * (lame->lambda + lame->mu)) >= nearly_incompressible);
   });
 }
 
 bool has_fluid(const Case& c) {
-  return std::any_of(c.materials.begin(), c.materials.end(),
-                     [](const Material& m) { return std::holds_alternative<Newtonian>(m.law); });
+  return any_law(c, [](const AnyLaw& law) { return std::holds_alternative<Newtonian>(law); });
 }
 
 void choose_formulation(Case& c, Node& root) {
@@ -81,7 +84,7 @@ void choose_functions(Case& c, Node& root) {
   if (!moves) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
   if (!fits)
     return write(c, root, "grid", "shape_functions", {"linear", "what else the case asks for goes with no other ones"});
-  const bool soil = std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return is_soil(m.law); });
+  const bool soil = any_law(c, is_soil);
   if (!has_boxes(c)) {
     c.shape_functions = ShapeFunctions::cpdi;
     write(c, root, "grid", "shape_functions", {"cpdi", "points move through the grid, which is not of boxes"});
@@ -106,9 +109,9 @@ void choose_volumetric(Case& c, Node& root) {
 }
 
 bool all_elastic_or_fluid(const Case& c) {
-  return std::all_of(c.materials.begin(), c.materials.end(), [](const Material& m) {
-    return std::holds_alternative<LinearElastic>(m.law) || std::holds_alternative<NeoHookean>(m.law) ||
-           std::holds_alternative<Newtonian>(m.law);
+  return !any_law(c, [](const AnyLaw& law) {
+    return !std::holds_alternative<LinearElastic>(law) && !std::holds_alternative<NeoHookean>(law) &&
+           !std::holds_alternative<Newtonian>(law);
   });
 }
 

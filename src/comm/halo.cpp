@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/sort_unique.hpp"
+
 namespace berm {
 namespace {
 
@@ -17,8 +19,7 @@ int index_in(std::span<const std::int64_t> list, std::int64_t id) {
 Ids merge(const std::vector<Ids>& lists) {
   Ids all;
   for (const Ids& list : lists) all.insert(all.end(), list.begin(), list.end());
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  sort_unique(all);
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/sort_unique.hpp"
 #include "fem/geometry.hpp"
 #include "method/crack_band.hpp"
 #include "method/depth.hpp"
@@ -152,8 +153,7 @@ void FemDiscretisation::number_nodes() {
   for (const auto& [a, b] : tied_)
     for (const int e : {a, b})
       for (int node : mesh_.nodes_of_cell(e)) touched.push_back(node);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  sort_unique(touched);
   halo = build_halo(comm_, touched, [&](std::int64_t id) { return partition_.owner(mesh_.nodes[id]); });
   std::vector<int> local(mesh_.n_nodes(), -1);
   nodes.clear();
@@ -381,8 +381,7 @@ void FemDiscretisation::attach(Anchor& a, std::span<const int> list, Stencil& s)
 void FemDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   std::vector<std::pair<int, int>> tied;
   for (const AnchorPair* pair : pairs_) tied.emplace_back(pair->a.cell, pair->b.cell);
-  std::sort(tied.begin(), tied.end());
-  tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
+  sort_unique(tied);
   if (comm_.any(tied != tied_)) {
     tied_ = std::move(tied);
     number_nodes();

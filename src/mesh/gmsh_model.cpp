@@ -13,6 +13,7 @@
 #include <unordered_set>
 
 #include "base/error.hpp"
+#include "base/sort_unique.hpp"
 #include "mesh/msh_check.hpp"
 
 namespace berm {
@@ -267,8 +268,7 @@ private:
 
   static void add_to(std::vector<int>& group, std::vector<int> members) {
     group.insert(group.end(), members.begin(), members.end());
-    std::sort(group.begin(), group.end());
-    group.erase(std::unique(group.begin(), group.end()), group.end());
+    sort_unique(group);
   }
 
   std::vector<int> nodes_of_group(int dim, int tag) const {

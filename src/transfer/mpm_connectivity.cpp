@@ -382,8 +382,7 @@ void MpmDiscretisation::number_nodes() {
   }
   std::vector<std::pair<int, int>> tied;
   for (const AnchorPair* pair : pairs_) tied.push_back(cells_of(*pair));
-  std::sort(tied.begin(), tied.end());
-  tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
+  sort_unique(tied);
   std::vector<int> filled = mixed_ ? filled_cells() : std::vector<int>{};
   first_anchor_block_ = n_patches() + static_cast<int>(faces_.size());
   if (comm_.all(numbered_ && patch_nodes_ == numbered_patches_ && active_cells_ == numbered_cells_ &&
