@@ -66,10 +66,13 @@ bool has_fluid(const Case& c) {
 
 void choose_formulation(Case& c, Node& root) {
   if (c.kinematics == Kinematics::small || is_given(root, "model", "formulation")) return;
-  if (!all_damage(c) || c.is_dynamic() || meets_deformable_bodies(c)) return;
+  if (c.is_dynamic() || meets_deformable_bodies(c)) return;
+  const bool mixed = c.volumetric == Volumetric::mixed;
+  if (!mixed && !all_damage(c)) return;
   c.formulation = Formulation::total_lagrangian;
   write(c, root, "model", "formulation",
-        {"total_lagrangian", "specimens of brittle laws crack but hardly move: no point crosses a cell"});
+        {"total_lagrangian", mixed ? "the mixed formulation goes with linear functions, which lose stress where points cross cells"
+                                   : "specimens of brittle laws crack but hardly move: no point crosses a cell"});
 }
 
 void choose_functions(Case& c, Node& root) {

@@ -212,6 +212,7 @@ private:
   void add_pressure_blocks();
   void look_up_elasticity();
   Status volumes_of_pressures(const NodalVector& du);
+  double own_share(int p) const { return kinematics_ == Kinematics::small ? 0.0 : own_share_[p]; }
   template <int n>
   Eigen::Matrix<double, n, n> pressure_stabilisation(int active) const;
   template <int n>
@@ -295,7 +296,8 @@ private:
   std::vector<double> share_;          ///< F-bar: of the point in its group's trial volume, w of (44)
   std::vector<double> bulk_, shear_;   ///< mixed: elastic moduli, (48) [Pa]
   std::vector<double> nodal_pressure_;  ///< mixed: trial increments, tension positive [Pa]
-  std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (49)
+  std::vector<double> own_share_;      ///< mixed: of the volumetric strain that a point keeps, (48)
+  std::vector<double> excess_;         ///< mixed: volumetric strain of the step beyond that of the pressure, (48)
   int most_nodes_ = 0;      ///< of a patch
   int stride_ = 0;          ///< of shape_
   bool at_gauss_points_ = false;

@@ -26,8 +26,9 @@ void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
   if (step.allFinite()) phi.head(unknowns) -= step;
 }
 
-/// Lists of patches that have fewer nodes than their block repeat the first one (docs/adr/0014).
-bool is_filling(std::span<const int> list, std::size_t k) { return k > 0 && list[k] == list[0]; }
+/// Whether a point counts at a node of its list with this value there. Lists are those of patches: which of their nodes no
+/// point of the patch reaches depends on the process that holds it (docs/adr/0014).
+bool reaches(double N) { return N > 1e-9; }
 
 }  // namespace
 
@@ -94,11 +95,11 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
   for (int iteration = 0; iteration < iterations; ++iteration) {
     halo.copy_to_ghosts(reinterpret_cast<double*>(phi.data()), 4);
     std::fill(sum.begin(), sum.end(), 0.0);
-    for_points([&](std::span<const int> list, int p, const double*) {
+    for_points([&](std::span<const int> list, int p, const double* N) {
       const double weight = measure_[p] * swollen(p) / std::pow(cell_size_, d);
       for (std::size_t k = 0; k < list.size(); ++k) {
         const int node = list[k];
-        if (label[node] == 0.0 || is_filling(list, k)) continue;
+        if (label[node] == 0.0 || !reaches(N[k])) continue;
         Eigen::Vector4d xi = Eigen::Vector4d::Zero();
         xi.head(d) = (now(p) - nodes[node]).head(d) / cell_size_;
         xi[d] = 1.0;
@@ -155,7 +156,7 @@ void MpmDiscretisation::gaps_of_interfaces() {
     for (std::size_t k = 0; k < list.size(); ++k) {
       const int node = list[k];
       const Vec3& n = normal[node];
-      if (n.isZero(0.0) || is_filling(list, k)) continue;
+      if (n.isZero(0.0) || !reaches(N[k])) continue;
       const Vec3 from_node = now(p) - nodes[node];
       reach[node] = std::max(reach[node], n.dot(from_node) + 0.5 * (n.transpose() * E).head(d).cwiseAbs().sum());
       const double facing = outward.dot(n);

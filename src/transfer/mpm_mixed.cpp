@@ -1,5 +1,6 @@
 /// Mixed formulation: displacements and pressures at the nodes, both linear [formulation, section 15, (47) to (53)].
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -28,6 +29,12 @@ Eigen::Matrix<double, components, 1> by_components(const Voigt& stress) {
     for (int j = 0; j < d; ++j) out[d * i + j] = s(i, j);
   if (components == 5) out[4] = s(2, 2);
   return out;
+}
+
+/// Of the principal stresses, 0 where all are compressive.
+double largest_tension(const Voigt& stress) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> spectrum(response_detail::tensor(stress), Eigen::EigenvaluesOnly);
+  return std::max(0.0, spectrum.eigenvalues()[2]);
 }
 
 }  // namespace
@@ -62,17 +69,23 @@ std::vector<int> MpmDiscretisation::filled_cells() const {
   return filled;
 }
 
-/// Elastic constants of the points' laws: stiffness against volume changes in the model's directions [Pa].   [(48)]
+/// Elastic constants of the points' laws, stiffness against volume changes in the model's directions [Pa], and the share of
+/// its own volume that a point in tension keeps.   [(48)]
 void MpmDiscretisation::look_up_elasticity() {
   trial_stretch_.assign(x_.size(), 1.0);
   excess_.resize(x_.size());
   bulk_.resize(x_.size());
   shear_.resize(x_.size());
+  own_share_.resize(x_.size());
   for (const Slice& slice : material.slices) {
     const Lame c = elastic_constants(slice.law).value();
-    std::fill(bulk_.begin() + slice.begin, bulk_.begin() + slice.end,
-              c.lambda + 2.0 * c.mu / volumetric_directions());
-    std::fill(shear_.begin() + slice.begin, shear_.begin() + slice.end, c.mu);
+    const double resists = is_plastic(slice.law) ? 0.0 : c.mu;
+    for (int p = slice.begin; p < slice.end; ++p) {
+      bulk_[p] = c.lambda + 2.0 * c.mu / volumetric_directions();
+      shear_[p] = c.mu;
+      const double tension = material.F[p].determinant() * largest_tension(material.stress[p]);
+      own_share_[p] = std::clamp((tension - resists) / bulk_[p], 0.0, 1.0);
+    }
   }
 }
 
@@ -98,7 +111,7 @@ Status MpmDiscretisation::volumes_of_pressures(const NodalVector& du) {
       }
       double pressure = 0.0;
       for (std::size_t k = 0; k < n; ++k) pressure += shape(p)[k] * nodal_pressure_[list[n + k]];
-      excess_[p] = volumetric - pressure / bulk_[p];
+      excess_[p] = (1.0 - own_share(p)) * (volumetric - pressure / bulk_[p]);
       if (small) {
         material.trial_F[p].diagonal().head(m).array() -= excess_[p] / m;
       } else {
@@ -170,9 +183,10 @@ void MpmDiscretisation::mixed_tangent(int a, const LawSettings& settings, BlockA
   for (int p : points_in(a)) {
     const double V = material.volume[p];
     const Pressures N = Eigen::Map<const Pressures>(shape(p));
-    const Pressures theta = N / bulk_[p];
+    const Pressures theta = (1.0 - own_share(p)) * N / bulk_[p];
     Row c;
     unit_gradients<dimension, hoop, n>(p, B, c);
+    c *= 1.0 - own_share(p);
     material.modulus<components>(p, settings, modulus);
     Eigen::Matrix<double, components, 1> spread = modulus * dilatation<components>();
     if (settings.kinematics == Kinematics::finite) spread += by_components<components>(material.trial[p].stress);

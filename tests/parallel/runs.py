@@ -992,6 +992,8 @@ class AnyNumberOfProcesses(Case):
     # Sticking and sliding multiply rounding.
     def test_bodies_on_each_other(self):
         self.same("stacked", history=1e-5, points=1e-5)
+        for functions in ("cpgimp", "b2gimp"):
+            self.same("stacked", [f"grid.shape_functions={functions}"], history=1e-5, points=1e-5, counts=(2,))
 
     def test_bodies_that_stay_together(self):
         self.same("joined", history=1e-6, points=1e-6)
