@@ -182,6 +182,12 @@ private:
   Vec3 now(int p) const { return x_[p] == X_[p] ? Vec3(X_[p] + u_[p]) : x_[p]; }
   void surfaces_of_interfaces(const std::vector<char>& held);
   void separate_points(const std::vector<char>& held);
+  void face_surfaces(const std::vector<char>& held);
+  Vec3 outward_at(int p) const;
+  struct Extent {
+    double place, variance;  ///< from the node [m]; of the places of the surface that points say [m2]
+  };
+  std::vector<Extent> extents_along(NodalVector& normal) const;
   void gaps_of_interfaces();
   /// Area (volume in space) of a point over the one at reference, as the grid sees it.
   double swollen(int p) const {

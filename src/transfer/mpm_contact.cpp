@@ -30,6 +30,8 @@ void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
 /// point of the patch reaches depends on the process that holds it (docs/adr/0014).
 bool reaches(double N) { return N > 1e-9; }
 
+constexpr double facing_enough = 0.5;  ///< cosine: sides of a corner do not count
+
 }  // namespace
 
 /// Pairs of nodes of different fields at the same place, and their blocks.
@@ -136,29 +138,79 @@ void MpmDiscretisation::separate_points(const std::vector<char>& held) {
   }
 }
 
-/// How far apart the surfaces of the two fields are along the normal at a node: the mean of what the points next to them
-/// say; where none does, how far the domains of the points reach.   [contact (3), (4)]
-void MpmDiscretisation::gaps_of_interfaces() {
-  constexpr double facing_enough = 0.5;  // cosine: sides of a corner do not count
+/// Normal of the surface that a point is next to, where that is now.   [contact (3)]
+Vec3 MpmDiscretisation::outward_at(int p) const {
+  return (material.F[p].inverse().transpose() * rim_[p]).normalized();
+}
+
+/// Where points know the surface that they are next to, the normal is that of the surfaces that face each other: a plane that
+/// parts the points only is tilted at a corner, and a block that slides climbs it. Where the two differ, as at the corner of
+/// one body on the side of another, that counts along which they are farther apart.   [contact (2a)]
+void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
+  constexpr double alike = 0.95;  // cosine
   const int d = dimension();
-  NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of them
+  NodalVector outward(n_nodes(), Vec3::Zero()), facing = outward;
   for (const Interface& at : interfaces_) {
-    normal[at.a] = at.normal;
-    normal[at.b] = -at.normal;
+    outward[at.a] = at.normal;
+    outward[at.b] = -at.normal;
   }
+  halo.copy_to_ghosts(reinterpret_cast<double*>(outward.data()), 3);
+  for_points([&](std::span<const int> list, int p, const double* N) {
+    if (rim_[p].isZero(0.0)) return;
+    const Vec3 m = outward_at(p);
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const double cosine = m.dot(outward[list[k]]);
+      if (reaches(N[k]) && cosine >= facing_enough) facing[list[k]] += N[k] * measure_[p] * cosine * cosine * m;
+    }
+  });
+  halo.add_to_owners(reinterpret_cast<double*>(facing.data()), 3);
+  std::vector<std::array<Vec3, 2>> choice;  // by interface: what the surface of a, and of b, says
+  bool differ = false;
+  for (const Interface& at : interfaces_) {
+    Vec3 of_a = facing[at.a], of_b = -facing[at.b];
+    for (int i = 0; i < d; ++i)
+      if (held[d * at.a + i] && held[d * at.b + i]) of_a[i] = of_b[i] = 0.0;
+    if (of_a.isZero(0.0)) of_a = of_b;
+    if (of_b.isZero(0.0)) of_b = of_a;
+    choice.push_back({of_a.normalized(), of_b.normalized()});
+    differ |= !of_a.isZero(0.0) && choice.back()[0].dot(choice.back()[1]) < alike;
+  }
+  std::array<std::vector<double>, 2> apart;
+  if (comm_.any(differ))
+    for (int k = 0; k < 2; ++k) {
+      for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+        outward[interfaces_[i].a] = choice[i][k];
+        outward[interfaces_[i].b] = -choice[i][k];
+      }
+      const std::vector<Extent> extent = extents_along(outward);
+      for (const Interface& at : interfaces_) apart[k].push_back(-extent[at.a].place - extent[at.b].place);
+    }
+  for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+    const auto& [of_a, of_b] = choice[i];
+    if (interfaces_[i].normal.isZero(0.0) || of_a.isZero(0.0)) continue;
+    if (of_a.dot(of_b) >= alike)
+      interfaces_[i].normal = (of_a + of_b).normalized();
+    else
+      interfaces_[i].normal = apart[0][i] > apart[1][i] ? of_a : of_b;
+  }
+}
+
+/// How far the fields reach along the given direction at their nodes (zero: not asked for): the mean of what the points next to
+/// the surface there say; where none does, how far the domains of the points reach.   [contact (3), (4)]
+std::vector<MpmDiscretisation::Extent> MpmDiscretisation::extents_along(NodalVector& normal) const {
   halo.copy_to_ghosts(reinterpret_cast<double*>(normal.data()), 3);
   NodalVector height(n_nodes(), Vec3::Zero());  // sums of weight, weight times height, weight times its square
   std::vector<double> reach(n_nodes(), -infinity);
   for_points([&](std::span<const int> list, int p, const double* N) {
     const Vec3 rim = material.F[p] * rim_[p];
-    const Vec3 outward = rim.isZero(0.0) ? rim : Vec3((material.F[p].inverse().transpose() * rim_[p]).normalized());
+    const Vec3 outward = rim.isZero(0.0) ? rim : outward_at(p);
     const Mat3 E = edges(p);
     for (std::size_t k = 0; k < list.size(); ++k) {
       const int node = list[k];
       const Vec3& n = normal[node];
       if (n.isZero(0.0) || !reaches(N[k])) continue;
       const Vec3 from_node = now(p) - nodes[node];
-      reach[node] = std::max(reach[node], n.dot(from_node) + 0.5 * (n.transpose() * E).head(d).cwiseAbs().sum());
+      reach[node] = std::max(reach[node], n.dot(from_node) + 0.5 * (n.transpose() * E).head(dimension()).cwiseAbs().sum());
       const double facing = outward.dot(n);
       if (facing < facing_enough) continue;
       const double z = outward.dot(from_node + rim) / facing, weight = N[k] * measure_[p] * facing * facing;
@@ -167,20 +219,26 @@ void MpmDiscretisation::gaps_of_interfaces() {
   });
   halo.add_to_owners(reinterpret_cast<double*>(height.data()), 3);
   halo.combine_at_owners(reach.data(), 1, [](double& a, double b) { a = std::max(a, b); });
-  const auto surface = [&](int node, double& variance) {
+  std::vector<Extent> extents(n_nodes());
+  for (int node = 0; node < n_nodes(); ++node) {
     const Vec3& sum = height[node];
-    if (!(sum[0] > 0.0)) {
-      variance += cell_size_ * cell_size_ / 16.0;
-      return reach[node];
-    }
-    const double mean = sum[1] / sum[0];
-    variance += std::max(0.0, sum[2] / sum[0] - mean * mean);
-    return mean;
-  };
+    extents[node] = {reach[node], cell_size_ * cell_size_ / 16.0};
+    if (sum[0] > 0.0) extents[node] = {sum[1] / sum[0], std::max(0.0, sum[2] / sum[0] - std::pow(sum[1] / sum[0], 2))};
+  }
+  return extents;
+}
+
+/// How far apart the surfaces of the two fields are along the normal at a node.   [contact (4)]
+void MpmDiscretisation::gaps_of_interfaces() {
+  NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of them
+  for (const Interface& at : interfaces_) {
+    normal[at.a] = at.normal;
+    normal[at.b] = -at.normal;
+  }
+  const std::vector<Extent> extent = extents_along(normal);
   for (Interface& at : interfaces_) {
-    double variance = 0.0;
-    at.gap = std::max(0.0, -surface(at.a, variance) - surface(at.b, variance));
-    at.scatter = std::sqrt(variance);
+    at.gap = std::max(0.0, -extent[at.a].place - extent[at.b].place);
+    at.scatter = std::sqrt(extent[at.a].variance + extent[at.b].variance);
     if (!std::isfinite(at.gap)) at.normal.setZero();  // a node without material: only surface points are near
   }
 }
@@ -189,6 +247,7 @@ void MpmDiscretisation::look_at_interfaces(const std::vector<char>& held) {
   if (n_fields_ == 1) return;
   surfaces_of_interfaces(held);
   separate_points(held);
+  face_surfaces(held);
   gaps_of_interfaces();
 }
 
