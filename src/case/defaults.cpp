@@ -138,6 +138,18 @@ void choose_mass(Case& c, Node& root) {
   }
 }
 
+/// Forces between deformable bodies act at nodes. In equilibrium a penalty of ten cells' stiffness costs nothing; in motion it
+/// makes bodies chatter, and what slides loses a part of its friction.
+void choose_contact(Case& c, Node& root) {
+  for (Contact& contact : c.contacts) {
+    if (contact.other.empty() || contact.kind == Contact::Kind::tie) continue;
+    Node& node = root.find("contact")->value.find(contact.name)->value;
+    if (node.find("stiffness")) continue;
+    contact.stiffness = c.is_dynamic() ? 1.0 : 10.0;
+    node.set("stiffness", Node(contact.stiffness));
+  }
+}
+
 }  // namespace
 
 void choose_defaults(Case& c, Node& root) {
@@ -146,6 +158,7 @@ void choose_defaults(Case& c, Node& root) {
   choose_volumetric(c, root);
   choose_functions(c, root);
   choose_mass(c, root);
+  choose_contact(c, root);
 }
 
 }  // namespace berm

@@ -199,15 +199,15 @@ Table<Contact> contact_table() {
   t.only([](const Scope&, const Contact& c) { return c.kind == Kind::friction; }, "with kind = \"friction\"");
   t.number("stiffness", &Contact::stiffness, Unit::none, positive(),
            "penalty in units of Young's modulus over cell size (default: tie 1000, what can open 100: what gives way is a "
-           "hundredth of what a cell does; between deformable bodies that of the softer one, 500 for a tie, else 1: the force is "
-           "carried from step to step, so that it need not be stiff)")
+           "hundredth of what a cell does; between deformable bodies that of the softer one, 500 for a tie, else 10, and 1 in runs "
+           "with dynamic stages: the force is carried from step to step, so that it need not be stiff)")
       .no_default();
   add_stages(t);
   t.check([](Scope& s, Contact& c) {
     s.exactly_one({"rigid", "other"});
-    if (!s.has("stiffness")) {
-      const bool tied = c.kind == Kind::tie;
-      c.stiffness = c.other.empty() ? (tied ? 1000.0 : 100.0) : (tied ? 500.0 : 1.0);
+    const bool tied = c.kind == Kind::tie;
+    if (!s.has("stiffness") && (tied || c.other.empty())) {  // else: choose_defaults
+      c.stiffness = !tied ? 100.0 : c.other.empty() ? 1000.0 : 500.0;
       s.node.set("stiffness", Node(c.stiffness, s.place));
     }
     if (!c.other.empty() && (c.kind == Kind::no_slip || c.kind == Kind::shared_nodes))

@@ -128,6 +128,8 @@ void Recorder::write_row(const StepResult& result, Integration integration) {
 
 void Recorder::append(const std::vector<double>& row) {
   rows_.insert(rows_.end(), row.begin(), row.end());
+  const double kinetic = world_.spec.is_dynamic() ? row[error_column + 2] : 0.0;
+  largest_energy_ = std::max({largest_energy_, std::abs(row[work_column]), row[work_column + 1] + row[work_column + 2] + kinetic});
   world_.comm.agree([&] {
     if (history_) history_->append(row);
   });

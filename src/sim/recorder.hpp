@@ -49,10 +49,12 @@ public:
   int steps() const { return steps_; }
   double load() const { return row_load_; }
   std::vector<std::pair<std::string, double>> metrics() const;
+  double first_energy_error() const;  ///< of the first step; 0 before it
 
 private:
   /// Positions in the standard columns of the history (io/history.cpp).
-  static constexpr int displacement_column = 2, load_column = 3, error_column = 14;
+  static constexpr int displacement_column = 2, load_column = 3, work_column = 8, energy_error_column = 11,
+                       error_column = 14;
 
   struct NamedProbe {
     Probe spec;
@@ -66,6 +68,7 @@ private:
   double stress_noise() const;
   double stored_energy() const;
   double dissipated_energy() const;
+  double energy_now(double stored, double dissipated) const;
   double energy_error(double stored, double dissipated) const;
   void write_row(const StepResult& result, Integration integration);
   void open_history();
@@ -106,6 +109,7 @@ private:
   int frame_ = 0;
   double next_frame_ = 0.0;
   int last_frame_step_ = -1;
+  double largest_energy_ = 0.0;  ///< so far [J]
   std::optional<Frame> peak_;  ///< highest state so far that has no file yet
   double highest_ = 0.0;       ///< load of the last state that was taken or written at a new maximum
   int steps_ = 0, cut_steps_ = 0;

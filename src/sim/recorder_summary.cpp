@@ -63,13 +63,24 @@ double Recorder::dissipated_energy() const {
   return world_.comm.sum(world_.discretisation->material.dissipated_energy());
 }
 
-/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp - W_transfer - W_contact| / max(|W_ext|, KE_0).   [dynamics (18)]
+/// Of what has come in from outside and what is there, the larger: of work that is taken out again something is left to
+/// compare with.
+double Recorder::energy_now(double stored, double dissipated) const {
+  const Balance& b = step_.balance();
+  return std::max({std::abs(b.external_work), b.kinetic_at_start, b.kinetic + stored + dissipated});
+}
+
+/// |W_ext + KE_0 - KE - W_el - W_diss - W_damp - W_transfer - W_contact| over the largest energy so far.   [dynamics (18)]
 double Recorder::energy_error(double stored, double dissipated) const {
   const Balance& b = step_.balance();
-  const double size = std::max(std::abs(b.external_work), b.kinetic_at_start);
+  const double size = std::max(largest_energy_, energy_now(stored, dissipated));
   const double missing = b.external_work + b.kinetic_at_start - b.kinetic - stored - dissipated - b.damped -
                          b.transferred - b.contact_work;
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
+}
+
+double Recorder::first_energy_error() const {
+  return rows_.size() < 2 * std::size_t(n_columns_) ? 0.0 : rows_[n_columns_ + energy_error_column];
 }
 
 double Recorder::quality_at(double load, double Quality::*value) const {

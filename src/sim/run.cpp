@@ -1,15 +1,18 @@
 #include "sim/run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <chrono>
 #include <csignal>
 
 #include "base/error.hpp"
 #include "io/log.hpp"
+#include "sim/advice.hpp"
 #include "sim/checkpoint.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
+#include "transfer/mpm.hpp"
 
 namespace berm {
 namespace {
@@ -160,6 +163,7 @@ private:
         worst_still_ = std::max(worst_still_, result.residual);
       }
       recorder_.record(result, integration);
+      if (recorder_.steps() % steps_between_looks == 0) look_for_overlap();
       if (integration == Integration::implicit)
         control_.after_implicit(result.iterations, result.time_error);
       else
@@ -194,13 +198,28 @@ private:
                                world_->time, bridge_steps));
       return;
     }
-    throw RunError(
-        fmt::format("no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). The "
-                    "structure snaps "
-                    "back or collapses here: take [solver] integration = \"impl_ex\" or snap_back = \"impl_ex\", or "
-                    "drive the run with "
-                    "[control] kind = \"gauge\"",
-                    world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason));
+    throw RunError(fmt::format("no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). {}",
+                               world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason,
+                               advice_on_equilibrium(world_->spec, world_->present_stage())));
+  }
+
+  /// Bodies that have gone into one another: contact that does not see them.
+  void look_for_overlap() {
+    const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_->discretisation.get());
+    if (overlap_told_ || !mpm || world_->bodies.size() < 2) return;
+    const auto found = mpm->overlap();
+    if (!found) return;
+    overlap_told_ = true;
+    const auto& bodies = world_->spec.bodies;
+    const bool starts = world_->spec.kinematics == Kinematics::small || world_->spec.formulation == Formulation::total_lagrangian;
+    log_.warning(fmt::format(
+        "bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at ({:.6g}) holds {:.2g} times as much as it has "
+        "room for{}",
+        bodies[found->body_a].name, bodies[found->body_b].name, world_->time,
+        fmt::join(found->where.data(), found->where.data() + world_->spec.dimension(), ", "), found->fill,
+        starts ? ". In small strain and total Lagrangian contact acts where bodies face each other at the start: take [model] "
+                 "kinematics = \"finite\" and formulation = \"updated_lagrangian\""
+               : ""));
   }
 
   /// The linear solver and why, whenever another one is taken; the number of unknowns changes often.
@@ -221,6 +240,7 @@ private:
 
   void report_end() {
     const auto metrics = recorder_.metrics();
+    look_for_overlap();
     if (!comm_.is_root()) return;
     for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
     warn_about(metrics);
@@ -239,15 +259,13 @@ private:
   }
 
   void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
-    constexpr double balanced = 0.05, coarse_gap = 0.1;
+    constexpr double balanced = 0.05, jump = 0.3, coarse_gap = 0.1;
     double tolerance = 0.0;
     for (const Stage& stage : world_->spec.stages) tolerance = std::max(tolerance, stage.steps.error_tolerance);
     for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
-        log_.warning(
-            fmt::format("the energy balance is off by {:.2g} % of the external work: take smaller steps; if points "
-                        "cross cells of the grid, formulation = \"total_lagrangian\" may help",
-                        100.0 * value));
+        log_.warning(fmt::format("the energy balance is off by {:.2g} % of the largest energy: {}", 100.0 * value,
+                                 advice_on_energy(world_->spec, recorder_.first_energy_error() > jump)));
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "
@@ -266,6 +284,7 @@ private:
 
   /// Length of an IMPL-EX bridge over a snap-back, in steps, before implicit steps are tried again.
   static constexpr int bridge_steps = 50;
+  static constexpr int steps_between_looks = 20;
 
   std::chrono::steady_clock::time_point start_;
   Comm comm_;
@@ -278,6 +297,7 @@ private:
   StepControl control_;
   Progress progress_;
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
+  bool overlap_told_ = false;
   int n_still_ = 0;                              ///< steps that stood still
   double worst_still_ = 0.0;                     ///< their largest residual
   std::string choice_;                           ///< of the linear solver, as last logged

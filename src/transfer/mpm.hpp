@@ -5,6 +5,7 @@
 /// points: for specimens that crack but hardly move.
 
 #include <map>
+#include <optional>
 
 #include "comm/partition.hpp"
 #include "mesh/grid.hpp"
@@ -46,6 +47,13 @@ public:
   int n_fields() const override { return n_fields_; }
   const std::vector<Interface>& interfaces() const override { return interfaces_; }
   void look_at_interfaces(const std::vector<char>& held) override;
+  struct Overlap {
+    int body_a, body_b;  ///< of the case
+    Vec3 where;          ///< middle of the cell
+    double fill;         ///< of both, over the measure of the cell [-]
+  };
+  /// Where two bodies lie in one another most, if any do: a cell that both fill by half and more, together by 1.75.
+  std::optional<Overlap> overlap() const;
   const std::vector<int>& scalar_nodes() const override { return scalar_nodes_; }
 
   const Mesh& mesh() const override { return grid_.mesh; }

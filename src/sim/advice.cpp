@@ -1,0 +1,50 @@
+#include "sim/advice.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "law/kinds.hpp"
+
+namespace berm {
+namespace {
+
+template <class Test>
+bool any_law(const Case& c, Test test) {
+  return std::any_of(c.materials.begin(), c.materials.end(), [&](const Material& m) { return test(m.law); });
+}
+
+}  // namespace
+
+std::string advice_on_energy(const Case& c, bool at_once) {
+  if (at_once && !c.is_dynamic())
+    return "loads that are there from the start do work that nothing stores: let them grow with the time t, as in \"1e5*t\"";
+  std::string advice = "take smaller steps, or smaller cells";
+  const bool moves = c.method == Method::mpm && c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+  if (!moves || c.shape_functions != ShapeFunctions::linear) return advice;
+  if (c.volumetric != Volumetric::mixed && c.quadrature == Quadrature::points)
+    return advice + "; points that cross cells lose stress and energy with grid.shape_functions = \"linear\": leave the key out";
+  const bool meets = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
+  if (!meets) advice += "; points that cross cells lose stress: formulation = \"total_lagrangian\", if the body does not move far";
+  return advice;
+}
+
+std::string advice_on_equilibrium(const Case& c, const Stage& stage) {
+  std::vector<std::string> ways;
+  const bool damage = any_law(c, is_damage), plastic = any_law(c, is_plastic);
+  if (damage && !plastic && stage.solver.integration == Integration::implicit) {
+    ways.emplace_back("take [solver] integration = \"impl_ex\"");
+    if (stage.solver.snap_back != Solver::SnapBack::impl_ex) ways.back() += " or snap_back = \"impl_ex\"";
+  }
+  const bool scales = c.stages.size() == 1 && !c.is_dynamic() && !c.pressures.empty() && c.volumetric != Volumetric::mixed;
+  if (scales && c.control.kind != Control::Kind::gauge)
+    ways.emplace_back("drive the run with [control] kind = \"gauge\"");
+  if (stage.steps.analysis == Analysis::quasi_static)
+    ways.emplace_back("follow the motion with analysis = \"dynamic\"");
+  ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
+  const char* what = damage ? "The structure snaps back or collapses here"
+                     : plastic ? "The load is more than can be borne, or contact or supports let go"
+                               : "Supports or contact let a body go, or it buckles";
+  return fmt::format("{}: {}", what, fmt::join(ways, ", or "));
+}
+
+}  // namespace berm
