@@ -95,6 +95,23 @@ def hertz(r):
     return abs(r.last("probe:syy")) / (2 * load / (pi * b) / sqrt(1 + (0.15528 / b) ** 2))
 
 
+def period_of_swing(r):
+    """Of the end of a bar of 0.95 m below its pin, let go horizontally: twice from one way through the bottom to the next."""
+    t, u = r["time"], r["probe:ux"] + 0.95
+    i = np.nonzero(u[:-1] * u[1:] < 0)[0]
+    zeros = t[i] - u[i] * (t[i + 1] - t[i]) / (u[i + 1] - u[i])
+    return 2 * (zeros[1] - zeros[0])
+
+
+def height_after(fall):
+    """Of a rebound, above the place where a body that falls by `fall` touches."""
+    return lambda r: float(r["probe:uy"][int(np.argmin(r["probe:uy"])) :].max() + fall)
+
+
+def last_velocity(column):
+    return lambda r: float((r[column][-1] - r[column][-21]) / (r["time"][-1] - r["time"][-21]))
+
+
 def rebound(r):
     return (r.at("probe:u", 0.06) - r.at("probe:u", 0.04)) / 0.02
 
@@ -107,6 +124,20 @@ def frequency(column):
         i = np.nonzero(u[:-1] * u[1:] < 0)[0]
         zeros = t[i] - u[i] * (t[i + 1] - t[i]) / (u[i + 1] - u[i])
         return 0.5 * (len(zeros) - 1) / (zeros[-1] - zeros[0])
+
+    return read
+
+
+def frequency_fitted(column, low, high):
+    """Of the harmonic motion about a mean that fits a column best."""
+
+    def read(r):
+        def misfit(f):
+            turn = 2 * pi * f * r["time"]
+            A = np.column_stack([np.ones_like(turn), np.cos(turn), np.sin(turn)])
+            return float(np.sum((A @ np.linalg.lstsq(A, r[column], rcond=None)[0] - r[column]) ** 2))
+
+        return float(min(np.linspace(low, high, 1001), key=misfit))
 
     return read
 
@@ -156,6 +187,8 @@ PROBLEMS = [
     P("touching_supports", "half of the base sinks", -3.44, "kN/m", last("reaction_y:door", 1e-3), tolerance=0.1),
     P("bodies_touch_fem", "two touching blocks", 15.1, "MN/m", size("reaction", 1e-6)),
     P("tie_curved_fem", "rigid disc tied into a ring", closed_forms.disc_in_ring(0.5, 2.0, 1e7, 0.3) * 1e-5, "kN/m", size("reaction", 1e-3), B2, fem_sets=("body.soil.mesh.order=2",)),
+    P("plate_clamped", "clamped circular plate", -0.624, "mm", probe("w", 1e3)),
+    P("cantilever_oblique", "cantilever in space, oblique weight", 5.943, "mm", lambda r: 1e3 * abs(r.last("probe:uz"))),
     # Metal
     P("thick_tube_plastic", "thick tube, full plasticity", Y_TUBE * log(sqrt(0.03 + TUBE_A**2) / TUBE_A), "MPa", size("reaction_x:inside", 1e-6 / (2 * pi * TUBE_A * 0.005)), FBAR),
     P("steel_strip", "strip of steel drawn by 40 %", 593.7, "MPa", size("nominal_stress", 1e-6), (*TL, *FBAR)),
@@ -163,6 +196,7 @@ PROBLEMS = [
     P("steel_bar", "round bar of steel drawn by 40 %", 1e-6 * closed_forms.hencky_plastic_bar(1.4, 206.9e9, 450e6, 700e6), "MPa", size("nominal_stress", 1e-6), (*TL, *FBAR)),
     P("necking_bar", "necking bar, largest load", 700 * exp(450 / 700 - 1) * exp(-700 / 206900), "MPa", largest("nominal_stress", 1e-6), (*TL, *FBAR)),
     P("taylor_bar", "Taylor's test, loss of length", -10.95, "mm", probe("top", 1e3), (*FBAR,)),
+    P("beam_collapse", "clamped beam, plastic collapse", 500.0, "kN/m", largest("reaction", 1e-3)),
     # Soil
     P("triaxial", "drained triaxial test", 234.64, "kPa", deviator, TL),
     P("biaxial_rough", "undrained compression, rough platens", 20.0, "kPa", size("nominal_stress", 1e-3), FBAR),
@@ -182,12 +216,15 @@ PROBLEMS = [
     P("cavity_cylinder", "cylindrical cavity in clay", 1e-3 * closed_forms.cylinder_cavity(1.0, 1.5, 25.0, 1e4, 5e5), "kPa", size("reaction_x:wall", 1e-3 / (2 * pi * 1.5 * 0.1)), FBAR),
     P("cavity_sphere", "spherical cavity in clay, outer face", 1.75, "mm", probe("out", 1e3), FBAR),
     P("sand_column", "column of sand, run-out", 75.0, "mm", lambda r: 1e3 * max(r.last(f"probe:{n}") for n in ("toe", "toe2", "toe3", "toe4", "toe5", "toe6")), (*FBAR, "dynamics.transfer=blend"), fem=False, tolerance=0.2),
+    P("true_triaxial", "true triaxial test of a cube", 317.3, "kPa", size("probe:syy", 1e-3), fem=False),
+    P("slope_clay", "clay slope on clay, factor of safety", 1.47, "", None, factor=True, fem=False),
     # Concrete
     P("concrete_bar", "concrete bar torn, work", 100.0, "J/m2", last("external_work", 1 / 0.02)),
     P("notched_beam", "notched beam, largest load", 755.0, "N", largest("reaction"), ("solver.integration=impl_ex",), tolerance=0.05),
     P("bending_strip", "four-point bending, pressures", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.integration=impl_ex", "steps.error_tolerance=0.002"), tolerance=0.1),
     P("bending_rollers", "four-point bending, rollers", 4.2, "MPa", largest("nominal_stress", 1e-6), ("solver.snap_back=impl_ex",), tolerance=0.1),
     P("interface_crack", "soft bar and concrete in series", 0.300, "MN", largest("reaction", 1e-6), ("solver.integration=impl_ex",), may_stop=True),
+    P("concrete_cylinder", "concrete cylinder, compression", 30.0, "MPa", largest("nominal_stress", 1e-6)),
     # Contact
     P("hertz", "cylinder on a plane, stress below over Hertz's", 1.0, "", hertz, B2, tolerance=0.05),
     P("caps_plate", "cap on a rigid plate", 2.33, "MN/m", size("reaction", 1e-6), B2, fem=False, tolerance=0.05),
@@ -202,6 +239,12 @@ PROBLEMS = [
     P("incline", "block on an incline, way in 1 s", 9.81 * (0.5 - 0.3 * sqrt(0.75)) / 2, "m", lambda r: r.last("probe:ux") - r.at("probe:ux", 1.0)),
     P("colliding_bars", "two bars collide, velocity after", -1.0, "m/s", rebound, CONSISTENT, fem=False),
     P("shaken_box", "shaken box of sand, time reached", 1.0, "s", last("time"), ("dynamics.integrator=bossak",), fem=False, tolerance=0.001),
+    P("block_dragged", "block dragged over a block", 1.104, "kN/m", size("reaction_x:push", 1e-3), fem=False),
+    P("block_on_block", "block slides on a block, way in 0.5 s", 0.2571, "m", probe("ux"), fem=False),
+    P("disc_rolling", "disc rolls down a slope", 1.118, "m", probe("ux"), fem=False),
+    P("up_and_back", "block up and back on an incline", 0.545, "m", probe("ux"), fem=False),
+    P("ball", "elastic ball, height of its rebound", 0.199, "m", height_after(0.2), tolerance=0.05, fem=False),
+    P("discs_collide", "two discs collide, velocity of the second", 1.0, "m/s", last_velocity("probe:ub"), tolerance=0.05, fem=False),
     # Motion
     P("free_fall", "free fall", -9.81 / 8, "m", probe("uy")),
     P("spinning", "spinning square, energy after a turn", 3289.9, "J", energy_left, CONSISTENT),
@@ -213,4 +256,7 @@ PROBLEMS = [
     P("wave_column_3d", "wave in a column", -0.10206, "mm", lambda r: 1e3 * r.at("probe:mid", 0.06), CONSISTENT, fem=False),
     P("water_tank", "water at rest, pressure", 5.0, "kPa", lambda r: 1e-3 * water_pressure(r), ("dynamics.transfer=apic",), fem=False),
     P("dam_break", "dam break, way of the front", 76.0, "mm", probe("front", 1e3), fem=False, tolerance=0.15),
+    P("pendulum", "pendulum, period", 1.890, "s", period_of_swing, fem=False),
+    P("sudden_weight", "column under sudden weight", 98.1, "mm", largest("probe:top", 1e3)),
+    P("sloshing", "sloshing of a tank", 1 / 1.182, "Hz", frequency_fitted("probe:ux", 0.6, 1.1), fem=False),
 ]

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "driver.hpp"
+#include "transfer/mpm.hpp"
 
 namespace berm::verify {
 namespace {
@@ -101,6 +102,89 @@ TEST(DeformableContact, NothingSlidesNothingHeats) {
   const Balance& balance = m.step.balance();
   EXPECT_GT(balance.contact_work, 0.0);
   EXPECT_LT(std::abs(balance.friction_work), 1e-3 * balance.external_work);
+}
+
+/// A block on a longer one is pushed sideways by its end. Normals that are slanted where the end of the block is made it climb.
+std::string dragged(const std::string& border, const std::string& friction, const std::string& grid) {
+  const std::string text = R"toml(
+model.gravity = [0.0, -10.0]
+grid = { origin = [-0.25, 0.0], cell_size = 0.125, cells = [22, 12] SHAPE }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "2 GPa"
+poisson_ratio = 0.3
+[body.base]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [2.0, BORDER] }
+[body.block]
+material = "m"
+shape.box = { min = [0.27, BORDER], max = [1.02, 1.0] }
+[boundary.floor]
+where.box.max = [9.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[boundary.push]
+body = "block"
+where.box = { max = [0.2701, 2.0], min = [0.0, 0.7] }
+ux = "0.3*max(t - 1, 0)"
+[contact.c]
+body = "block"
+other = "base"
+FRICTION
+[stage.weight]
+count = 2
+[stage.pull]
+count = 30
+)toml";
+  std::string out = text;
+  const auto put = [&out](const std::string& word, const std::string& value) {
+    for (std::size_t at; (at = out.find(word)) != std::string::npos;) out.replace(at, word.size(), value);
+  };
+  put("SHAPE", grid);
+  put("BORDER", border);
+  put("FRICTION", friction);
+  return out;
+}
+
+TEST(DeformableContact, BlockIsDraggedByItsFriction) {
+  for (const std::string border : {"0.5", "0.53"})
+    for (const std::string shape : {"", ", shape_functions = \"linear\"", ", shape_functions = \"cpdi\""}) {
+      const double weight = 0.75 * (1.0 - std::stod(border)) * 1000.0 * 10.0;
+      for (const double mu : {0.0, 0.3}) {
+        const std::string kind = mu > 0.0 ? "kind = \"friction\"\nfriction = 0.3" : "kind = \"frictionless\"";
+        Model m(case_by_default(dragged(border, kind, shape)));
+        double largest = 0.0, smallest = 1e9;
+        ASSERT_TRUE(m.run([&](const StepResult&) {
+          const double force = m.step.balance().reactions.boundary[1].x();
+          if (m.world->time < 1.3) return;
+          largest = std::max(largest, force);
+          smallest = std::min(smallest, force);
+        }));
+        EXPECT_LT(largest, (mu + 0.01) * weight) << border << shape;
+        EXPECT_GT(smallest, (mu - 0.01) * weight) << border << shape;
+        if (shape.empty() && mu > 0.0)
+          record({"Contact on the grid", "force that drags a block over another, border at " + border + " m, cells of 0.125 m [N]",
+                  largest, fmt::format("{:g}", mu * weight), "1 %", "Coulomb"});
+      }
+    }
+}
+
+/// Nothing else tells where contact does not see that bodies are in one another.
+TEST(DeformableContact, BodiesInOneAnotherAreSeen) {
+  const auto overlap = [](double distance) {
+    const Model m(two_blocks(distance, 0.25, "kinematics = \"small\"", moved_top(distance, "0"), "[steps]\ncount = 1\n"));
+    return dynamic_cast<const MpmDiscretisation&>(*m.world->discretisation).overlap();
+  };
+  EXPECT_FALSE(overlap(0.15));
+  EXPECT_FALSE(overlap(0.0));
+  EXPECT_FALSE(overlap(-0.1));
+  const auto found = overlap(-0.5);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->body_a + found->body_b, 1);
+  EXPECT_NEAR(found->fill, 2.0, 1e-9);
+  EXPECT_GT(found->where.y(), 0.5);
+  EXPECT_LT(found->where.y(), 1.0);
 }
 
 }  // namespace
