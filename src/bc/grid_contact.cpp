@@ -107,9 +107,10 @@ ContactWork GridContact::work(const NodalVector& du) const {
     const Vec3 relative = du[t.at->a] - du[t.at->b], &n = t.at->normal;
     const Force f = force_at(t, relative);
     sum.total += 0.5 * (t.carried + f.force).dot(relative);
-    if (f.status != Status::slides) continue;
-    const Vec3 before = t.carried - n * n.dot(t.carried);
-    const Vec3 slip = relative - n * n.dot(relative) - (f.shear - before) / (t.contact.stiffness * t.at->area);
+    if (f.status == Status::sticks) continue;
+    const Vec3 before = t.carried - n * n.dot(t.carried);  // of what opens, works over half of the step
+    const Vec3 spring = f.status == Status::slides ? Vec3((f.shear - before) / (t.contact.stiffness * t.at->area)) : Vec3::Zero();
+    const Vec3 slip = relative - n * n.dot(relative) - spring;
     sum.heat += 0.5 * (before + f.shear).dot(slip);
   }
   return sum;

@@ -132,8 +132,13 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   }
   // Surfaces that just touch count as closed, so that a body laid on another one is held from the first guess on.
   const double gap = point.gap + point.normal.dot(relative), touching = 1e-12 * cell_size_;
-  if (gap >= touching && !(keeps_closed_ && point.gap < touching)) return {};
   const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
+  if (gap >= touching && !(keeps_closed_ && point.gap < touching)) {
+    ContactForce open{};
+    if (spec.kind == Contact::Kind::friction && point.gap < 0.0)  // the shear at t_n works over half of the step
+      open.heat = 0.5 * k * point.slip.dot(tangential * relative);
+    return open;
+  }
   const Vec3 push = -k * gap * point.normal;
   if (spec.kind == Contact::Kind::frictionless) return {push, k * nn, true};
   const Vec3 slip = tangential * (point.slip + relative);

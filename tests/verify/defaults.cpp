@@ -193,5 +193,40 @@ TEST(Defaults, NodesThatCarryNothingAreNoUnknowns) {
   }
 }
 
+/// A block of 2 GPa that is thrown up an incline with friction chatters: points open and close. All its heat is booked.
+TEST(Defaults, HeatOfABlockThrownUpAnIncline) {
+  Model m(case_by_default(R"(
+model.gravity = ["-9.81*0.422618", "-9.81*0.906308"]
+grid = { origin = [-0.5, -0.25], cell_size = 0.25, cells = [12, 5] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 2e8
+poisson_ratio = 0.3
+[body.block]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 0.5] }
+velocity = [4.0, 0.0]
+[body.plane]
+rigid = true
+shape.box = { min = [-1.0, -0.5], max = [4.0, 0.0] }
+[contact.c]
+body = "block"
+rigid = "plane"
+kind = "friction"
+friction = 0.2
+[steps]
+analysis = "dynamic"
+duration = 0.6
+count = 120
+)"));
+  ASSERT_TRUE(m.run());
+  // x = v t - g (sin + mu cos) t^2 / 2 until it stands, and what friction took on that way.
+  const double a = 9.81 * (0.422618 + 0.2 * 0.906308), way = 4.0 * 0.6 - 0.5 * a * 0.36, heat = 0.2 * 500.0 * 9.81 * 0.906308 * way;
+  const Balance& b = m.step.balance();
+  record({"Defaults", "block thrown up an incline, heat of friction [J]", b.friction_work, "mu N s", "2 %", "Coulomb"});
+  EXPECT_LT(relative(b.friction_work, heat), 0.02);
+}
+
 }  // namespace
 }  // namespace berm::verify
