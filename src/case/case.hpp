@@ -198,7 +198,7 @@ struct Steps {
   bool adaptive = true;
   double min_fraction = 1e-3;     ///< smallest step, as a fraction of duration/count
   double max_fraction = 1.0;      ///< largest step, as a fraction of duration/count
-  double error_tolerance = 0.02;  ///< impl_ex: largest |damage used - damage| aimed at
+  double error_tolerance = 0.005;  ///< impl_ex: largest error of a stress over the strength aimed at
   int easy_iterations = 5;        ///< implicit: grow the step after fewer iterations than this
 };
 
