@@ -108,9 +108,8 @@ ContactWork GridContact::work(const NodalVector& du) const {
     const Force f = force_at(t, relative);
     sum.total += 0.5 * (t.carried + f.force).dot(relative);
     if (f.status == Status::sticks) continue;
-    const Vec3 before = t.carried - n * n.dot(t.carried);  // of what opens, works over half of the step
-    const Vec3 spring = f.status == Status::slides ? Vec3((f.shear - before) / (t.contact.stiffness * t.at->area)) : Vec3::Zero();
-    const Vec3 slip = relative - n * n.dot(relative) - spring;
+    const Vec3 before = t.carried - n * n.dot(t.carried);  // of what opens: works over half of the step, and is let go
+    const Vec3 slip = relative - n * n.dot(relative) - (f.shear - before) / (t.contact.stiffness * t.at->area);
     sum.heat += 0.5 * (before + f.shear).dot(slip);
   }
   return sum;

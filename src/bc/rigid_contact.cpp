@@ -135,8 +135,8 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
   if (gap >= touching && !(keeps_closed_ && point.gap < touching)) {
     ContactForce open{};
-    if (spec.kind == Contact::Kind::friction && point.gap < 0.0)  // the shear at t_n works over half of the step
-      open.heat = 0.5 * k * point.slip.dot(tangential * relative);
+    if (spec.kind == Contact::Kind::friction)  // the shear at t_n works over half of the step, and its spring is let go
+      open.heat = 0.5 * k * point.slip.dot(tangential * (point.slip + relative));
     return open;
   }
   const Vec3 push = -k * gap * point.normal;

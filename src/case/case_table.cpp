@@ -39,8 +39,8 @@ Table<Case> model_table() {
            std::vector<std::pair<std::string, Formulation>>{{"updated_lagrangian", Formulation::updated_lagrangian},
                                                             {"total_lagrangian", Formulation::total_lagrangian}},
            "material points see the grid from where they are, or from where they started: no cell crossing, for bodies "
-           "that crack but hardly move (method \"mpm\"). Default: total_lagrangian where all laws are of damage or volumetric is "
-           "mixed, nothing is dynamic and deformable bodies do not touch each other, else updated_lagrangian")
+           "that crack but hardly move (method \"mpm\"). Default: total_lagrangian where all laws are of damage, or volumetric is "
+           "mixed and nothing is soil, nothing is dynamic and deformable bodies do not touch each other, else updated_lagrangian")
       .no_default();
   t.choice("volumetric", &Case::volumetric,
            Words<Volumetric>{{"standard", Volumetric::standard}, {"f_bar", Volumetric::f_bar}, {"mixed", Volumetric::mixed}},

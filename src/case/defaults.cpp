@@ -67,7 +67,7 @@ bool has_fluid(const Case& c) {
 void choose_formulation(Case& c, Node& root) {
   if (c.kinematics == Kinematics::small || is_given(root, "model", "formulation")) return;
   if (c.is_dynamic() || meets_deformable_bodies(c)) return;
-  const bool mixed = c.volumetric == Volumetric::mixed;
+  const bool mixed = c.volumetric == Volumetric::mixed && !any_law(c, is_soil);
   if (!mixed && !all_damage(c)) return;
   c.formulation = Formulation::total_lagrangian;
   write(c, root, "model", "formulation",
@@ -145,8 +145,16 @@ void choose_contact(Case& c, Node& root) {
     if (contact.other.empty() || contact.kind == Contact::Kind::tie) continue;
     Node& node = root.find("contact")->value.find(contact.name)->value;
     if (node.find("stiffness")) continue;
-    contact.stiffness = c.is_dynamic() ? 1.0 : 10.0;
+    const auto acts_in = [&named = contact.stages](const Stage& s) {
+      return named.empty() || std::find(named.begin(), named.end(), s.name) != named.end();
+    };
+    const bool moves = std::any_of(c.stages.begin(), c.stages.end(), [&](const Stage& s) {
+      return s.steps.analysis == Analysis::dynamic && acts_in(s);
+    });
+    contact.stiffness = moves ? 1.0 : 10.0;
     node.set("stiffness", Node(contact.stiffness));
+    c.choices.push_back(fmt::format("contact.{}.stiffness = {:g}: {}", contact.name, contact.stiffness,
+                                    moves ? "stiffer contact chatters in motion" : "as stiff as ten cells"));
   }
 }
 

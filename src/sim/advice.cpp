@@ -21,7 +21,10 @@ std::string advice_on_energy(const Case& c, bool at_once) {
   std::string advice = "take smaller steps, or smaller cells";
   const bool moves = c.method == Method::mpm && c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
   if (!moves || c.shape_functions != ShapeFunctions::linear) return advice;
-  if (c.volumetric != Volumetric::mixed && c.quadrature == Quadrature::points)
+  const bool seeded = std::all_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) {
+    return b.rigid || b.points.placement != PointSeeding::Placement::gauss;
+  });
+  if (c.volumetric != Volumetric::mixed && c.quadrature == Quadrature::points && seeded)
     return advice + "; points that cross cells lose stress and energy with grid.shape_functions = \"linear\": leave the key out";
   const bool meets = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
   if (!meets) advice += "; points that cross cells lose stress: formulation = \"total_lagrangian\", if the body does not move far";
@@ -38,7 +41,7 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage) {
   const bool scales = c.stages.size() == 1 && !c.is_dynamic() && !c.pressures.empty() && c.volumetric != Volumetric::mixed;
   if (scales && c.control.kind != Control::Kind::gauge)
     ways.emplace_back("drive the run with [control] kind = \"gauge\"");
-  if (stage.steps.analysis == Analysis::quasi_static)
+  if (stage.steps.analysis == Analysis::quasi_static && c.control.kind != Control::Kind::gauge && c.volumetric != Volumetric::mixed)
     ways.emplace_back("follow the motion with analysis = \"dynamic\"");
   ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
   const char* what = damage ? "The structure snaps back or collapses here"

@@ -80,7 +80,10 @@ double Recorder::energy_error(double stored, double dissipated) const {
 }
 
 double Recorder::first_energy_error() const {
-  return rows_.size() < 2 * std::size_t(n_columns_) ? 0.0 : rows_[n_columns_ + energy_error_column];
+  constexpr double sizeable = 0.01;  // of the largest energy: less says nothing
+  if (rows_.size() < 2 * std::size_t(n_columns_)) return 0.0;
+  const double* row = rows_.data() + n_columns_;
+  return std::abs(row[work_column]) < sizeable * largest_energy_ ? 0.0 : row[energy_error_column];
 }
 
 double Recorder::quality_at(double load, double Quality::*value) const {

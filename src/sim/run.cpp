@@ -206,18 +206,24 @@ private:
   /// Bodies that have gone into one another: contact that does not see them.
   void look_for_overlap() {
     const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_->discretisation.get());
-    if (overlap_told_ || !mpm || world_->bodies.size() < 2) return;
+    const auto& bodies = world_->spec.bodies;
+    const auto deformable = std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.rigid; });
+    if (overlap_told_ || !mpm || deformable < 2) return;
     const auto found = mpm->overlap();
     if (!found) return;
     overlap_told_ = true;
-    const auto& bodies = world_->spec.bodies;
-    const bool starts = world_->spec.kinematics == Kinematics::small || world_->spec.formulation == Formulation::total_lagrangian;
+    const Case& c = world_->spec;
+    const bool meet = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) {
+      return !k.other.empty() && k.kind != Contact::Kind::tie;
+    });
+    const bool starts = c.kinematics == Kinematics::small || c.formulation == Formulation::total_lagrangian;
     log_.warning(fmt::format(
         "bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at ({:.6g}) holds {:.2g} times as much as it has "
         "room for{}",
         bodies[found->body_a].name, bodies[found->body_b].name, world_->time,
         fmt::join(found->where.data(), found->where.data() + world_->spec.dimension(), ", "), found->fill,
-        starts ? ". In small strain and total Lagrangian contact acts where bodies face each other at the start: take [model] "
+        !meet ? ": nothing keeps them apart where no [contact.NAME] is"
+        : starts ? ". In small strain and total Lagrangian contact acts where bodies face each other at the start: take [model] "
                  "kinematics = \"finite\" and formulation = \"updated_lagrangian\""
                : ""));
   }

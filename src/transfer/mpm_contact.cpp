@@ -148,6 +148,7 @@ Vec3 MpmDiscretisation::outward_at(int p) const {
 /// one body on the side of another, that counts along which they are farther apart.   [contact (2a)]
 void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
   constexpr double alike = 0.95;  // cosine
+  constexpr double equal = 0.1;   // of a cell: a difference by half of it decides
   const int d = dimension();
   NodalVector outward(n_nodes(), Vec3::Zero()), facing = outward;
   for (const Interface& at : interfaces_) {
@@ -165,6 +166,7 @@ void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
   });
   halo.add_to_owners(reinterpret_cast<double*>(facing.data()), 3);
   std::vector<std::array<Vec3, 2>> choice;  // by interface: what the surface of a, and of b, says
+  std::vector<Vec3> mean;                   // of both: the one with more of its material near counts more
   bool differ = false;
   for (const Interface& at : interfaces_) {
     Vec3 of_a = facing[at.a], of_b = -facing[at.b];
@@ -172,6 +174,7 @@ void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
       if (held[d * at.a + i] && held[d * at.b + i]) of_a[i] = of_b[i] = 0.0;
     if (of_a.isZero(0.0)) of_a = of_b;
     if (of_b.isZero(0.0)) of_b = of_a;
+    mean.push_back((of_a + of_b).normalized());
     choice.push_back({of_a.normalized(), of_b.normalized()});
     differ |= !of_a.isZero(0.0) && choice.back()[0].dot(choice.back()[1]) < alike;
   }
@@ -188,10 +191,15 @@ void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
   for (std::size_t i = 0; i < interfaces_.size(); ++i) {
     const auto& [of_a, of_b] = choice[i];
     if (interfaces_[i].normal.isZero(0.0) || of_a.isZero(0.0)) continue;
-    if (of_a.dot(of_b) >= alike)
-      interfaces_[i].normal = (of_a + of_b).normalized();
-    else
-      interfaces_[i].normal = apart[0][i] > apart[1][i] ? of_a : of_b;
+    if (of_a.dot(of_b) >= alike) {
+      interfaces_[i].normal = mean[i];
+      continue;
+    }
+    // Equal distances, as between two round bodies, are not for rounding to decide.
+    const double difference = apart[0][i] - apart[1][i];
+    const double share = std::isfinite(difference) ? std::clamp(0.5 + difference / (equal * cell_size_), 0.0, 1.0) : 0.5;
+    const Vec3 normal = share * of_a + (1.0 - share) * of_b;
+    interfaces_[i].normal = normal.norm() > 0.1 ? normal.normalized() : of_a;
   }
 }
 

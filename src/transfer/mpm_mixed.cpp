@@ -77,6 +77,7 @@ void MpmDiscretisation::look_up_elasticity() {
   bulk_.resize(x_.size());
   shear_.resize(x_.size());
   own_share_.resize(x_.size());
+  constexpr double most = 0.5;  // with all of it nothing would determine the pressures
   for (const Slice& slice : material.slices) {
     const Lame c = elastic_constants(slice.law).value();
     const double resists = is_plastic(slice.law) ? 0.0 : c.mu;
@@ -84,7 +85,7 @@ void MpmDiscretisation::look_up_elasticity() {
       bulk_[p] = c.lambda + 2.0 * c.mu / volumetric_directions();
       shear_[p] = c.mu;
       const double tension = material.F[p].determinant() * largest_tension(material.stress[p]);
-      own_share_[p] = std::clamp((tension - resists) / bulk_[p], 0.0, 1.0);
+      own_share_[p] = std::clamp((tension - resists) / bulk_[p], 0.0, most);
     }
   }
 }

@@ -5,7 +5,7 @@
 namespace berm {
 
 std::optional<MpmDiscretisation::Overlap> MpmDiscretisation::overlap() const {
-  constexpr double half = 0.5, too_full = 1.75;  // of a cell: points are counted whole where their middle is
+  constexpr double half = 0.5, too_full = 1.75, too_full_around = 1.6;  // of a cell: points are counted whole where their middle is
   std::map<std::pair<int, int>, double> mine;    // of cell and body
   for (const Slice& slice : material.slices)
     for (int p = slice.begin; p < slice.end; ++p) {
@@ -18,13 +18,27 @@ std::optional<MpmDiscretisation::Overlap> MpmDiscretisation::overlap() const {
   std::map<int, std::map<int, double>> fill;  // of bodies, by cell
   for (const auto& [cell, body, measure] : comm_.all_gather(rows))
     fill[static_cast<int>(cell)][static_cast<int>(body)] += measure / cell_measure(grid_.mesh, static_cast<int>(cell));
+  // Where points of two bodies that are compressed happen to lie in one cell, its neighbours hold the less: together they tell.
+  const auto sum = [&fill](int cell) {
+    double all = 0.0;
+    if (const auto at = fill.find(cell); at != fill.end())
+      for (const auto& [body, share] : at->second) all += share;
+    return all;
+  };
+  const auto around = [&](int cell) {
+    double all = sum(cell);
+    int n = 1;
+    for (int f = 0; f < max_faces; ++f)
+      if (const int other = grid_.neighbours[std::size_t(max_faces) * cell + f]; other >= 0) all += sum(other), ++n;
+    return all / n;
+  };
   std::optional<Overlap> worst;
   for (const auto& [cell, bodies] : fill)
     for (auto a = bodies.begin(); a != bodies.end(); ++a)
       for (auto b = std::next(a); b != bodies.end(); ++b) {
-        const double sum = a->second + b->second;
-        if (std::min(a->second, b->second) < half || sum < (worst ? worst->fill : too_full)) continue;
-        worst = {a->first, b->first, cell_centre(grid_.mesh, cell), sum};
+        const double both = a->second + b->second;
+        if (std::min(a->second, b->second) < half || both < too_full || around(cell) < too_full_around) continue;
+        if (!worst || both > worst->fill) worst = {a->first, b->first, cell_centre(grid_.mesh, cell), both};
       }
   return worst;
 }
