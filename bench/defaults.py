@@ -10,7 +10,6 @@ energy and what the transfer between points and grid took, over the largest ener
 import argparse
 import os
 import pathlib
-import shlex
 import subprocess
 import sys
 import tempfile
@@ -18,8 +17,9 @@ import tempfile
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT / "python"))
+sys.path[:0] = [str(ROOT / "python"), str(ROOT / "tests")]
 from berm.results import ResultError, Run  # noqa: E402
+from examples import read_list  # noqa: E402
 
 OLD = {
     "grid.shape_functions": "linear",
@@ -27,13 +27,6 @@ OLD = {
     "model.formulation": "updated_lagrangian",
     "dynamics.mass": "lumped",
 }
-
-
-def listed():
-    for line in (ROOT / "examples" / "ci.txt").read_text().splitlines():
-        words = shlex.split(line, comments=True)
-        if words:
-            yield words[0], words[1:]
 
 
 def chosen(berm, case, sets):
@@ -44,8 +37,7 @@ def chosen(berm, case, sets):
         words = line.split()
         if words[:1] == ["chosen"] and words[1] in OLD and "as the case says" not in line:
             found[words[1]] = line.split('"')[1]
-    found = {key: value for key, value in found.items() if value != OLD[key]}
-    return found
+    return {key: value for key, value in found.items() if value != OLD[key]}
 
 
 def measure(berm, case, sets, out, limit):
@@ -85,7 +77,7 @@ def main():
     out = pathlib.Path(options.out or tempfile.mkdtemp()).resolve()
     out.mkdir(parents=True, exist_ok=True)
     print("| case | chosen | before | now | seconds | memory |\n|---|---|---|---|---|---|")
-    for name, words in listed():
+    for name, words in read_list().items():
         if options.cases and name not in options.cases:
             continue
         case = str(ROOT / "examples" / name)

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "python"))
@@ -47,8 +48,7 @@ def count_of(case, sets):
     for s in sets:
         if s.startswith("steps.count="):
             return int(s.split("=")[1])
-    lines = (ROOT / case).read_text().split("[steps]")[1].splitlines()
-    return next(int(line.split("=")[1].split("#")[0]) for line in lines if line.startswith("count"))
+    return tomllib.loads((ROOT / case).read_text(encoding="utf-8"))["steps"]["count"]
 
 
 def of(steps, seconds, ended):

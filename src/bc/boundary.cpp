@@ -58,9 +58,7 @@ void BoundaryConditions::begin_stage(const std::string& name) {
   ties_.begin_stage([this](const Stages& stages) { return acts(stages); });
 }
 
-bool BoundaryConditions::acts(const Stages& stages) const {
-  return stages.empty() || std::find(stages.begin(), stages.end(), stage_) != stages.end();
-}
+bool BoundaryConditions::acts(const Stages& stages) const { return acts_in(stages, stage_); }
 
 void BoundaryConditions::move_anchors(const Discretisation& d) {
   travel(pressures_, d);

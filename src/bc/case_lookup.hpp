@@ -1,5 +1,5 @@
 #pragma once
-/// What a name in a case stands for.
+/// What a name in a case stands for, and what kind of case it is.
 
 #include <algorithm>
 
@@ -19,6 +19,32 @@ inline double stiffness_of(const Case& c, int body) {
   for (const Material& m : c.materials)
     if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.stiffness(); }, m.law);
   return 0.0;
+}
+
+inline bool acts_in(const Stages& stages, const std::string& stage) {
+  return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
+}
+
+/// Whether the law of some material is one.
+template <class Test>
+bool any_law(const Case& c, Test test) {
+  return std::any_of(c.materials.begin(), c.materials.end(), [&](const Material& m) { return test(m.law); });
+}
+
+/// Points see the grid from where they are, not from where they started.
+inline bool moves_through_grid(const Case& c) {
+  return c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+}
+
+/// By contact or a tie.
+inline bool meets_deformable_bodies(const Case& c) {
+  return std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
+}
+
+inline bool has_gauss_points(const Case& c) {
+  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) {
+    return !b.rigid && b.points.placement == PointSeeding::Placement::gauss;
+  });
 }
 
 inline bool share_a_stage(const Stages& a, const Stages& b) {

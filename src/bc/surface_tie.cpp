@@ -126,7 +126,7 @@ const Material& material_of(const Case& c, int body) {
 /// touched at the start.
 bool flows(const Case& c, int body) {
   const AnyLaw& law = material_of(c, body).law;
-  return c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian &&
+  return moves_through_grid(c) &&
          (is_plastic(law) || std::holds_alternative<Newtonian>(law));
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bc/case_lookup.hpp"
 #include "law/kinds.hpp"
 
 namespace berm {
@@ -28,23 +29,8 @@ void write(Case& c, Node& root, const char* table, const char* key, const Choice
   c.choices.push_back(fmt::format("{}.{} = \"{}\": {}", table, key, choice.value, choice.why));
 }
 
-template <class Test>
-bool any_law(const Case& c, Test test) {
-  return std::any_of(c.materials.begin(), c.materials.end(), [&](const Material& m) { return test(m.law); });
-}
-
 bool all_damage(const Case& c) {
   return !c.materials.empty() && !any_law(c, [](const AnyLaw& law) { return !is_damage(law); });
-}
-
-bool meets_deformable_bodies(const Case& c) {
-  return std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
-}
-
-bool has_gauss_points(const Case& c) {
-  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) {
-    return !b.rigid && b.points.placement == PointSeeding::Placement::gauss;
-  });
 }
 
 bool has_boxes(const Case& c) {
@@ -76,7 +62,7 @@ void choose_formulation(Case& c, Node& root) {
 }
 
 void choose_functions(Case& c, Node& root) {
-  const bool moves = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+  const bool moves = moves_through_grid(c);
   if (is_given(root, "grid", "shape_functions")) {
     if (moves && c.shape_functions == ShapeFunctions::linear)
       c.choices.push_back("grid.shape_functions = \"linear\", as the case says: points that cross cells lose stress and "
@@ -145,11 +131,8 @@ void choose_contact(Case& c, Node& root) {
     if (contact.other.empty() || contact.kind == Contact::Kind::tie) continue;
     Node& node = root.find("contact")->value.find(contact.name)->value;
     if (node.find("stiffness")) continue;
-    const auto acts_in = [&named = contact.stages](const Stage& s) {
-      return named.empty() || std::find(named.begin(), named.end(), s.name) != named.end();
-    };
     const bool moves = std::any_of(c.stages.begin(), c.stages.end(), [&](const Stage& s) {
-      return s.steps.analysis == Analysis::dynamic && acts_in(s);
+      return s.steps.analysis == Analysis::dynamic && acts_in(contact.stages, s.name);
     });
     contact.stiffness = moves ? 1.0 : 10.0;
     node.set("stiffness", Node(contact.stiffness));

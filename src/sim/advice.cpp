@@ -3,31 +3,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "law/kinds.hpp"
+#include "bc/case_lookup.hpp"
 
 namespace berm {
-namespace {
-
-template <class Test>
-bool any_law(const Case& c, Test test) {
-  return std::any_of(c.materials.begin(), c.materials.end(), [&](const Material& m) { return test(m.law); });
-}
-
-}  // namespace
 
 std::string advice_on_energy(const Case& c, bool at_once) {
   if (at_once && !c.is_dynamic())
     return "loads that are there from the start do work that nothing stores: let them grow with the time t, as in \"1e5*t\"";
   std::string advice = "take smaller steps, or smaller cells";
-  const bool moves = c.method == Method::mpm && c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
-  if (!moves || c.shape_functions != ShapeFunctions::linear) return advice;
-  const bool seeded = std::all_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) {
-    return b.rigid || b.points.placement != PointSeeding::Placement::gauss;
-  });
-  if (c.volumetric != Volumetric::mixed && c.quadrature == Quadrature::points && seeded)
+  if (c.method != Method::mpm || !moves_through_grid(c) || c.shape_functions != ShapeFunctions::linear) return advice;
+  if (c.volumetric != Volumetric::mixed && c.quadrature == Quadrature::points && !has_gauss_points(c))
     return advice + "; points that cross cells lose stress and energy with grid.shape_functions = \"linear\": leave the key out";
-  const bool meets = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) { return !k.other.empty(); });
-  if (!meets) advice += "; points that cross cells lose stress: formulation = \"total_lagrangian\", if the body does not move far";
+  if (!meets_deformable_bodies(c)) advice += "; points that cross cells lose stress: formulation = \"total_lagrangian\", if the body does not move far";
   return advice;
 }
 
@@ -48,6 +35,16 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage) {
                      : plastic ? "The load is more than can be borne, or contact or supports let go"
                                : "Supports or contact let a body go, or it buckles";
   return fmt::format("{}: {}", what, fmt::join(ways, ", or "));
+}
+
+std::string advice_on_overlap(const Case& c) {
+  const bool meet = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) {
+    return !k.other.empty() && k.kind != Contact::Kind::tie;
+  });
+  if (!meet) return ": nothing keeps them apart where no [contact.NAME] is";
+  if (moves_through_grid(c)) return "";
+  return ". In small strain and total Lagrangian contact acts where bodies face each other at the start: take [model] "
+         "kinematics = \"finite\" and formulation = \"updated_lagrangian\"";
 }
 
 }  // namespace berm

@@ -212,20 +212,12 @@ private:
     const auto found = mpm->overlap();
     if (!found) return;
     overlap_told_ = true;
-    const Case& c = world_->spec;
-    const bool meet = std::any_of(c.contacts.begin(), c.contacts.end(), [](const Contact& k) {
-      return !k.other.empty() && k.kind != Contact::Kind::tie;
-    });
-    const bool starts = c.kinematics == Kinematics::small || c.formulation == Formulation::total_lagrangian;
     log_.warning(fmt::format(
         "bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at ({:.6g}) holds {:.2g} times as much as it has "
         "room for{}",
         bodies[found->body_a].name, bodies[found->body_b].name, world_->time,
         fmt::join(found->where.data(), found->where.data() + world_->spec.dimension(), ", "), found->fill,
-        !meet ? ": nothing keeps them apart where no [contact.NAME] is"
-        : starts ? ". In small strain and total Lagrangian contact acts where bodies face each other at the start: take [model] "
-                 "kinematics = \"finite\" and formulation = \"updated_lagrangian\""
-               : ""));
+        advice_on_overlap(world_->spec)));
   }
 
   /// The linear solver and why, whenever another one is taken; the number of unknowns changes often.

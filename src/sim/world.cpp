@@ -101,7 +101,7 @@ Grid boxes_of(StructuredGrid structure) {
 
 ShapeChoice shape_choice(const Case& c) {
   using Domain = ShapeChoice::Domain;
-  const bool follows = c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian;
+  const bool follows = moves_through_grid(c);
   switch (c.shape_functions) {
     case ShapeFunctions::linear:
       return {.at_gauss_points = c.quadrature == Quadrature::gauss};
@@ -124,7 +124,7 @@ ShapeChoice shape_choice(const Case& c) {
 /// one.   [formulation, section 6]
 double default_ghost_penalty(const Case& c, const ShapeChoice& functions) {
   const bool flows =
-      std::any_of(c.materials.begin(), c.materials.end(), [](const Material& m) { return flows_far(m.law); });
+      any_law(c, flows_far);
   return functions.follows && !flows ? 0.03 : 1e-3;
 }
 
@@ -270,7 +270,7 @@ void warn_of_missing_contacts(World& w) {
 /// never have any. Collective.
 void refuse_contacts_out_of_sight(const World& w) {
   const Case& c = w.spec;
-  if (c.kinematics == Kinematics::finite && c.formulation == Formulation::updated_lagrangian) return;
+  if (moves_through_grid(c)) return;
   const std::vector<int> field = fields_of_bodies(c);
   std::set<std::pair<int, int>> meet;
   for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});

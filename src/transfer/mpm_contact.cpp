@@ -30,6 +30,17 @@ void improve(const double* at, int unknowns, Eigen::Vector4d& phi) {
 /// point of the patch reaches depends on the process that holds it (docs/adr/0014).
 bool reaches(double N) { return N > 1e-9; }
 
+/// At the nodes of both fields: a direction of each interface, out of the field.
+template <class Direction>
+NodalVector out_of_fields(const std::vector<Interface>& interfaces, int n_nodes, Direction direction) {
+  NodalVector out(n_nodes, Vec3::Zero());
+  for (std::size_t i = 0; i < interfaces.size(); ++i) {
+    out[interfaces[i].a] = direction(i);
+    out[interfaces[i].b] = -out[interfaces[i].a];
+  }
+  return out;
+}
+
 constexpr double facing_enough = 0.5;  ///< cosine: sides of a corner do not count
 
 }  // namespace
@@ -150,11 +161,8 @@ void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
   constexpr double alike = 0.95;  // cosine
   constexpr double equal = 0.1;   // of a cell: a difference by half of it decides
   const int d = dimension();
-  NodalVector outward(n_nodes(), Vec3::Zero()), facing = outward;
-  for (const Interface& at : interfaces_) {
-    outward[at.a] = at.normal;
-    outward[at.b] = -at.normal;
-  }
+  NodalVector outward = out_of_fields(interfaces_, n_nodes(), [this](std::size_t i) { return interfaces_[i].normal; });
+  NodalVector facing(n_nodes(), Vec3::Zero());
   halo.copy_to_ghosts(reinterpret_cast<double*>(outward.data()), 3);
   for_points([&](std::span<const int> list, int p, const double* N) {
     if (rim_[p].isZero(0.0)) return;
@@ -181,10 +189,7 @@ void MpmDiscretisation::face_surfaces(const std::vector<char>& held) {
   std::array<std::vector<double>, 2> apart;
   if (comm_.any(differ))
     for (int k = 0; k < 2; ++k) {
-      for (std::size_t i = 0; i < interfaces_.size(); ++i) {
-        outward[interfaces_[i].a] = choice[i][k];
-        outward[interfaces_[i].b] = -choice[i][k];
-      }
+      outward = out_of_fields(interfaces_, n_nodes(), [&](std::size_t i) { return choice[i][k]; });
       const std::vector<Extent> extent = extents_along(outward);
       for (const Interface& at : interfaces_) apart[k].push_back(-extent[at.a].place - extent[at.b].place);
     }
@@ -238,11 +243,7 @@ std::vector<MpmDiscretisation::Extent> MpmDiscretisation::extents_along(NodalVec
 
 /// How far apart the surfaces of the two fields are along the normal at a node.   [contact (4)]
 void MpmDiscretisation::gaps_of_interfaces() {
-  NodalVector normal(n_nodes(), Vec3::Zero());  // at the nodes of both fields, out of them
-  for (const Interface& at : interfaces_) {
-    normal[at.a] = at.normal;
-    normal[at.b] = -at.normal;
-  }
+  NodalVector normal = out_of_fields(interfaces_, n_nodes(), [this](std::size_t i) { return interfaces_[i].normal; });
   const std::vector<Extent> extent = extents_along(normal);
   for (Interface& at : interfaces_) {
     at.gap = std::max(0.0, -extent[at.a].place - extent[at.b].place);

@@ -95,12 +95,16 @@ def hertz(r):
     return abs(r.last("probe:syy")) / (2 * load / (pi * b) / sqrt(1 + (0.15528 / b) ** 2))
 
 
+def zeros(t, u):
+    """When u changes its sign."""
+    i = np.nonzero(u[:-1] * u[1:] < 0)[0]
+    return t[i] - u[i] * (t[i + 1] - t[i]) / (u[i + 1] - u[i])
+
+
 def period_of_swing(r):
     """Of the end of a bar of 0.95 m below its pin, let go horizontally: twice from one way through the bottom to the next."""
-    t, u = r["time"], r["probe:ux"] + 0.95
-    i = np.nonzero(u[:-1] * u[1:] < 0)[0]
-    zeros = t[i] - u[i] * (t[i + 1] - t[i]) / (u[i + 1] - u[i])
-    return 2 * (zeros[1] - zeros[0])
+    first, second, *_ = zeros(r["time"], r["probe:ux"] + 0.95)
+    return 2 * (second - first)
 
 
 def height_after(fall):
@@ -120,10 +124,8 @@ def frequency(column):
     """From the zeros of a column, the first at the start left out."""
 
     def read(r):
-        t, u = r["time"][1:], r[column][1:]
-        i = np.nonzero(u[:-1] * u[1:] < 0)[0]
-        zeros = t[i] - u[i] * (t[i + 1] - t[i]) / (u[i + 1] - u[i])
-        return 0.5 * (len(zeros) - 1) / (zeros[-1] - zeros[0])
+        at = zeros(r["time"][1:], r[column][1:])
+        return 0.5 * (len(at) - 1) / (at[-1] - at[0])
 
     return read
 

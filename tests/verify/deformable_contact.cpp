@@ -105,10 +105,10 @@ TEST(DeformableContact, NothingSlidesNothingHeats) {
 }
 
 /// A block on a longer one is pushed sideways by its end. Normals that are slanted where the end of the block is made it climb.
-std::string dragged(const std::string& border, const std::string& friction, const std::string& grid) {
-  const std::string text = R"toml(
+std::string dragged(double border) {
+  return fmt::format(R"toml(
 model.gravity = [0.0, -10.0]
-grid = { origin = [-0.25, 0.0], cell_size = 0.125, cells = [22, 12] SHAPE }
+grid = {{ origin = [-0.25, 0.0], cell_size = 0.125, cells = [22, 12] }}
 [material.m]
 law = "linear_elastic"
 density = 1000.0
@@ -116,44 +116,39 @@ youngs_modulus = "2 GPa"
 poisson_ratio = 0.3
 [body.base]
 material = "m"
-shape.box = { min = [0.0, 0.0], max = [2.0, BORDER] }
+shape.box = {{ min = [0.0, 0.0], max = [2.0, {0}] }}
 [body.block]
 material = "m"
-shape.box = { min = [0.27, BORDER], max = [1.02, 1.0] }
+shape.box = {{ min = [0.27, {0}], max = [1.02, 1.0] }}
 [boundary.floor]
 where.box.max = [9.0, 1e-6]
 ux = 0.0
 uy = 0.0
 [boundary.push]
 body = "block"
-where.box = { max = [0.2701, 2.0], min = [0.0, 0.7] }
+where.box = {{ max = [0.2701, 2.0], min = [0.0, 0.7] }}
 ux = "0.3*max(t - 1, 0)"
 [contact.c]
 body = "block"
 other = "base"
-FRICTION
+kind = "frictionless"
 [stage.weight]
 count = 2
 [stage.pull]
 count = 30
-)toml";
-  std::string out = text;
-  const auto put = [&out](const std::string& word, const std::string& value) {
-    for (std::size_t at; (at = out.find(word)) != std::string::npos;) out.replace(at, word.size(), value);
-  };
-  put("SHAPE", grid);
-  put("BORDER", border);
-  put("FRICTION", friction);
-  return out;
+)toml",
+                     border);
 }
 
 TEST(DeformableContact, BlockIsDraggedByItsFriction) {
-  for (const std::string border : {"0.5", "0.53"})
-    for (const std::string shape : {"", ", shape_functions = \"linear\"", ", shape_functions = \"cpdi\""}) {
-      const double weight = 0.75 * (1.0 - std::stod(border)) * 1000.0 * 10.0;
+  for (const double border : {0.5, 0.53})
+    for (const std::string shape : {"", "linear", "cpdi"}) {
+      const double weight = 0.75 * (1.0 - border) * 1000.0 * 10.0;
       for (const double mu : {0.0, 0.3}) {
-        const std::string kind = mu > 0.0 ? "kind = \"friction\"\nfriction = 0.3" : "kind = \"frictionless\"";
-        Model m(case_by_default(dragged(border, kind, shape)));
+        std::vector<std::string> sets;
+        if (!shape.empty()) sets.push_back("grid.shape_functions=" + shape);
+        if (mu > 0.0) sets.insert(sets.end(), {"contact.c.kind=friction", fmt::format("contact.c.friction={}", mu)});
+        Model m(case_by_default(dragged(border), sets));
         double largest = 0.0, smallest = 1e9;
         ASSERT_TRUE(m.run([&](const StepResult&) {
           const double force = m.step.balance().reactions.boundary[1].x();
@@ -164,7 +159,7 @@ TEST(DeformableContact, BlockIsDraggedByItsFriction) {
         EXPECT_LT(largest, (mu + 0.01) * weight) << border << shape;
         EXPECT_GT(smallest, (mu - 0.01) * weight) << border << shape;
         if (shape.empty() && mu > 0.0)
-          record({"Contact on the grid", "force that drags a block over another, border at " + border + " m, cells of 0.125 m [N]",
+          record({"Contact on the grid", fmt::format("force that drags a block over another, border at {} m, cells of 0.125 m [N]", border),
                   largest, fmt::format("{:g}", mu * weight), "1 %", "Coulomb"});
       }
     }
