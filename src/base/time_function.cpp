@@ -20,10 +20,26 @@ struct TimeFunction::Expression {
   mu::Parser parser;
 };
 
+namespace {
+
+/// muParser takes "t = 5" for an assignment to t.
+bool assigns(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] == '=' && (i == 0 || std::string_view("=<>!").find(text[i - 1]) == std::string_view::npos) &&
+        (i + 1 == text.size() || text[i + 1] != '='))
+      return true;
+  return false;
+}
+
+}  // namespace
+
 TimeFunction::TimeFunction(const std::string& text) {
   const auto expression = std::make_shared<Expression>();
   expression->text = text;
   mu::Parser& parser = expression->parser;
+  if (assigns(text)) throw std::invalid_argument(fmt::format("\"{}\": = means nothing here (equal is ==)", text));
+  bool constant = false;
+  double value = 0.0;
   try {
     parser.DefineVar("t", &expression->t);
     parser.DefineVar("x", &expression->x[0]);
@@ -32,24 +48,26 @@ TimeFunction::TimeFunction(const std::string& text) {
     parser.DefineConst("pi", std::numbers::pi);
     parser.SetExpr(text);
     for (const auto& used : parser.GetUsedVar()) expression->depends_on_place |= used.first != "t";
-    parser.Eval();
+    constant = parser.GetUsedVar().empty();
+    value = parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
     throw std::invalid_argument(fmt::format("\"{}\": {}", text, error.GetMsg()));
   }
   if (parser.GetNumResults() != 1)
     throw std::invalid_argument(
         fmt::format("\"{}\" has more than one value (decimal comma instead of a point?)", text));
+  if (constant && !std::isfinite(value)) throw std::invalid_argument(fmt::format("\"{}\" is {}", text, value));
   expression_ = expression;
 }
 
 double TimeFunction::at(double t, const Vec3& x) const {
   if (!expression_) return t < end_ ? value_ * (t / end_) : value_;
   expression_->t = t;
-  expression_->x = x;
+  expression_->x = origin_ + x;
   const double value = expression_->parser.Eval();
   if (!std::isfinite(value))
     throw RunError(fmt::format("\"{}\" is {} at t = {:.6g} s, ({:.6g}, {:.6g}, {:.6g})", expression_->text, value, t,
-                               x.x(), x.y(), x.z()));
+                               expression_->x.x(), expression_->x.y(), expression_->x.z()));
   return value;
 }
 

@@ -20,6 +20,10 @@ public:
 
   /// At that time [s] and place [m]. Throws RunError if the expression has no finite value there.
   double at(double t, const Vec3& x = Vec3::Zero()) const;
+  /// Change from t0 to t1. Everything begins with 0: what an expression is at t = 0 already comes with the first step.
+  double step(double t0, double t1, const Vec3& x = Vec3::Zero()) const { return at(t1, x) - (t0 > 0.0 ? at(t0, x) : 0.0); }
+  /// Places are given to at() less this one.
+  void set_origin(const Vec3& x) { origin_ = x; }
   /// When a number is reached [s]; 0: it holds from the start.
   void set_end(double end) { end_ = end; }
 
@@ -38,6 +42,7 @@ public:
 private:
   struct Expression;
   double value_ = 0.0, end_ = 1.0;
+  Vec3 origin_ = Vec3::Zero();
   std::shared_ptr<const Expression> expression_;
 };
 
@@ -47,6 +52,9 @@ struct VectorFunction {
 
   Vec3 at(double t, const Vec3& x = Vec3::Zero()) const {
     return {component[0].at(t, x), component[1].at(t, x), component[2].at(t, x)};
+  }
+  Vec3 step(double t0, double t1) const {
+    return {component[0].step(t0, t1), component[1].step(t0, t1), component[2].step(t0, t1)};
   }
   bool depends_on_place() const {
     return component[0].depends_on_place() || component[1].depends_on_place() || component[2].depends_on_place();

@@ -85,6 +85,18 @@ public:
   /// Adds the gauge's elongation as a functional of du over the local nodes: value = sum functional . du.
   void add_gauge_functional(int gauge, NodalVector& functional) const;
 
+  /// A place that something holds in a direction: of a node of this process (body -1), or of a body.
+  struct Hold {
+    int body = -1, node = -1;  ///< node: local
+    int boundary = -1;         ///< of the case; -1: something else
+    Vec3 at, direction;
+  };
+  /// Whatever holds in this step and stage: supports, pins, rigid bodies. Of this process.
+  std::vector<Hold> holds(const Discretisation& d) const;
+
+  /// Sentences on contacts with friction that let a body go: of what touches at t_n, nine tenths slide. Collective.
+  std::vector<std::string> slipping() const;
+
   /// What the user should know of the supports as they were read; on every process.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.

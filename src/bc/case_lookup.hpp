@@ -25,6 +25,14 @@ inline bool acts_in(const Stages& stages, const std::string& stage) {
   return stages.empty() || std::find(stages.begin(), stages.end(), stage) != stages.end();
 }
 
+/// Whether the same supports, loads and contacts act in two stages.
+inline bool same_act_in(const Case& c, const std::string& a, const std::string& b) {
+  const auto same = [&](const auto& items) {
+    return std::all_of(items.begin(), items.end(), [&](const auto& item) { return acts_in(item.stages, a) == acts_in(item.stages, b); });
+  };
+  return same(c.boundaries) && same(c.pins) && same(c.pressures) && same(c.contacts);
+}
+
 /// Whether the law of some material is one.
 template <class Test>
 bool any_law(const Case& c, Test test) {

@@ -77,7 +77,7 @@ Mat3 BoundaryConditions::held_directions(const HeldPoint& p) const {
 
 Vec3 BoundaryConditions::held_step(const HeldPoint& p, double t0, double t1) const {
   const NodeBoundary& spec = case_.boundaries[p.boundary];
-  const auto step = [&](const TimeFunction& u) { return u.at(t1, p.anchor.X) - u.at(t0, p.anchor.X); };
+  const auto step = [&](const TimeFunction& u) { return u.step(t0, t1, p.anchor.X); };
   if (p.slides) return step(spec.un) * p.normal;
   Vec3 u = Vec3::Zero();
   for (int i = 0; i < dimension_; ++i)

@@ -54,10 +54,10 @@ double BoundaryConditions::support_work(const Reactions& before, const Reactions
     const NodeBoundary& spec = case_.boundaries[b];
     if (!acts(spec.stages) || !spec.body.empty()) continue;  // its force at t0 went with the last stage
     const Vec3 mean = 0.5 * (now.boundary[b] + before.boundary[b]);
-    if (spec.normal) work += mean.dot(*spec.normal) * (spec.un.at(t1) - spec.un.at(t0));
+    if (spec.normal) work += mean.dot(*spec.normal) * spec.un.step(t0, t1);
     if (spec.depends_on_place()) continue;
     for (int i = 0; i < dimension_; ++i)
-      if (const auto& u = spec.u[i]) work += mean[i] * (u->at(t1) - u->at(t0));
+      if (const auto& u = spec.u[i]) work += mean[i] * u->step(t0, t1);
   }
   for (std::size_t k = 0; k < now.node.size(); ++k) {
     const NodeCondition& c = conditions_[k];
@@ -65,7 +65,7 @@ double BoundaryConditions::support_work(const Reactions& before, const Reactions
     if (!spec.depends_on_place() || !acts(spec.stages)) continue;
     const TimeFunction& u = *spec.u[c.component];
     const double first = before.node.empty() ? 0.0 : before.node[k];
-    work += 0.5 * (now.node[k] + first) * (u.at(t1, c.at) - u.at(t0, c.at));
+    work += 0.5 * (now.node[k] + first) * u.step(t0, t1, c.at);
   }
   return work;
 }

@@ -107,8 +107,7 @@ void BoundaryConditions::find_gaps() {
 }
 
 Vec3 BoundaryConditions::rigid_step(int body, double t0, double t1) const {
-  const VectorFunction& motion = case_.bodies[body].displacement;
-  return motion.at(t1) - motion.at(t0);
+  return case_.bodies[body].displacement.step(t0, t1);
 }
 
 bool BoundaryConditions::acts_on_something(int rigid_body) const {

@@ -123,7 +123,7 @@ void BoundaryConditions::find_inclined(const Discretisation& d) {
 double BoundaryConditions::push_of(const LocalInclined& local, const NodalVector& du, double t0, double t1) const {
   const InclinedNode& node = inclined_[local.index];
   const NodeBoundary& spec = case_.boundaries[node.boundary];
-  return node.push + node.stiffness * (spec.normal->dot(du[local.node]) - (spec.un.at(t1) - spec.un.at(t0)));
+  return node.push + node.stiffness * (spec.normal->dot(du[local.node]) - spec.un.step(t0, t1));
 }
 
 std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t1) const {
@@ -131,7 +131,7 @@ std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t
   for (const auto& [k, node] : local_conditions_) {
     const NodeCondition& c = conditions_[k];
     const TimeFunction& u = *case_.boundaries[c.boundary].u[c.component];
-    du[dimension_ * node + c.component] = u.at(t1, c.at) - u.at(t0, c.at);
+    du[dimension_ * node + c.component] = u.step(t0, t1, c.at);
   }
   for (std::size_t node = 0; node < moved_by_.size(); ++node) {
     if (moved_by_[node] < 0) continue;

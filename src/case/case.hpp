@@ -289,6 +289,7 @@ struct Case {
   VectorFunction gravity;                                     ///< [m/s2]
   std::variant<StructuredGrid, std::string> grid;             ///< mpm: structured, or a Gmsh file (resolved path)
   ShapeFunctions shape_functions = ShapeFunctions::linear;    ///< mpm only
+  bool allow_glued = false;  ///< mpm: parts that the grid cannot tell apart may hang together
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<NodeBoundary> boundaries;
@@ -296,6 +297,7 @@ struct Case {
   std::vector<Pressure> pressures;
   std::vector<Absorbing> absorbing;
   std::vector<Contact> contacts;
+  Vec3 origin = Vec3::Zero();  ///< of all places, in the user's coordinates [m]   [case/far_origin.hpp]
   Control control;
   Steps steps;        ///< of a run with a single stage
   Solver solver;      ///< what stages begin with

@@ -57,6 +57,9 @@ Table<Case> model_table() {
   t.number("thickness", &Case::thickness, Unit::length, positive(), "of the plane");
   t.only([](const Scope&, const Case& c) { return is_plane(c.space); },
          "in plane strain and plane stress");
+  t.boolean("allow_glued", &Case::allow_glued,
+            "parts of bodies, or bodies and held nodes, that lie apart but so near that the functions of the grid join them are refused; "
+            "true: they may hang together (method \"mpm\")");
   t.vector_function("gravity", &Case::gravity, Unit::acceleration, "a number is reached linearly at the end of the first stage, or holds from the start if that is dynamic");
   return t;
 }

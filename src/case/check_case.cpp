@@ -365,6 +365,27 @@ private:
     });
   }
 
+  /// Motion that begins with a jump.
+  void check_starts() const {
+    if (c_.stages.front().steps.analysis != Analysis::dynamic) return;
+    const auto look = [](const Scope& scope, const std::string& key, const TimeFunction& f) {
+      if (f.is_number() || f.depends_on_place()) return;
+      if (const double start = f.at(0.0); start != 0.0)
+        scope.explain(key, fmt::format("\"{0}\" is {1:.4g} at t = 0: where the first stage is dynamic a displacement begins with 0; take "
+                                       "\"{0} - ({1:.17g})\"",
+                                       f.text(), start));
+    };
+    constexpr std::array<const char*, 3> keys = {"ux", "uy", "uz"};
+    for (const NodeBoundary& b : c_.boundaries) {
+      if (!b.stages.empty() && !holds(b.stages, c_.stages.front().name)) continue;
+      for (std::size_t i = 0; i < keys.size(); ++i)
+        if (b.u[i]) look(at("boundary", b.name), keys[i], *b.u[i]);
+      look(at("boundary", b.name), "un", b.un);
+    }
+    for (const Body& b : c_.bodies)
+      for (const TimeFunction& f : b.displacement.component) look(at("body", b.name), "displacement", f);
+  }
+
   /// What would be read and never used.
   void check_motion() const {
     for (const Stage& stage : c_.stages)
@@ -414,6 +435,7 @@ private:
     check_names_of_stages("absorbing", c_.absorbing);
     check_names_of_stages("contact", c_.contacts);
     check_motion();
+    check_starts();
     check_late_motions();
     for (const Stage& stage : c_.stages) {
       if (stage.solver.ghost_penalty != c_.solver.ghost_penalty)

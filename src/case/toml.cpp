@@ -65,12 +65,33 @@ struct Converter {
   }
 };
 
-/// Keys dotted thousands of levels deep would overflow the stack inside toml++, which limits values only.
+/// Keys dotted thousands of levels deep would overflow the stack inside toml++, which limits values only. Dots of comments
+/// and strings do not count.
 bool dotted_too_deeply(const std::string& text) {
   int dots = 0;
-  for (const char c : text) {
-    if (c == '.' && ++dots > 1000) return true;
-    if (c == '\n' || c == ',' || c == '=') dots = 0;
+  std::string quote;  // that ends the present string
+  bool comment = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n' || (quote.empty() && !comment && (c == ',' || c == '='))) dots = 0;
+    if (c == '\n' && quote.size() < 3) {
+      comment = false;
+      quote.clear();
+    } else if (!quote.empty()) {
+      if (c == '\\' && quote[0] == '"')
+        ++i;
+      else if (text.compare(i, quote.size(), quote) == 0) {
+        i += quote.size() - 1;
+        quote.clear();
+      }
+    } else if (!comment) {
+      comment = c == '#';
+      if (c == '"' || c == '\'') {
+        quote = text.compare(i, 3, std::string(3, c)) == 0 ? std::string(3, c) : std::string(1, c);
+        i += quote.size() - 1;
+      }
+      if (c == '.' && ++dots > 1000) return true;
+    }
   }
   return false;
 }

@@ -29,6 +29,7 @@ struct Extrusion {
 /// A closed surface in an STL file.
 struct SurfaceFile {
   std::string path;
+  Vec3 moved = Vec3::Zero();  ///< added to its places [m]
 };
 struct SolidShape;
 /// First shape united with / minus all the others.

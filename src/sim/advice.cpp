@@ -18,10 +18,10 @@ std::string advice_on_energy(const Case& c, bool at_once) {
   return advice;
 }
 
-std::string advice_on_equilibrium(const Case& c, const Stage& stage) {
+std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips) {
   std::vector<std::string> ways;
   const bool damage = any_law(c, is_damage), plastic = any_law(c, is_plastic);
-  if (damage && !plastic && stage.solver.integration == Integration::implicit) {
+  if (damage && !plastic && !slips && stage.solver.integration == Integration::implicit) {
     ways.emplace_back("take [solver] integration = \"impl_ex\"");
     if (stage.solver.snap_back != Solver::SnapBack::impl_ex) ways.back() += " or snap_back = \"impl_ex\"";
   }
@@ -30,11 +30,23 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage) {
     ways.emplace_back("drive the run with [control] kind = \"gauge\"");
   if (stage.steps.analysis == Analysis::quasi_static && c.control.kind != Control::Kind::gauge && c.volumetric != Volumetric::mixed)
     ways.emplace_back("follow the motion with analysis = \"dynamic\"");
-  ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
-  const char* what = damage ? "The structure snaps back or collapses here"
+  if (!slips || ways.empty()) ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
+  const char* what = slips  ? "It would have to be held by something else"
+                     : damage ? "The structure snaps back or collapses here"
                      : plastic ? "The load is more than can be borne, or contact or supports let go"
                                : "Supports or contact let a body go, or it buckles";
   return fmt::format("{}: {}", what, fmt::join(ways, ", or "));
+}
+
+std::string advice_on_penetration(const Case& c) {
+  return c.method == Method::mpm ? "or take the material along with the rigid body by kind = \"shared_nodes\" (no slip, no gap)"
+                                 : "or make its steps smaller";
+}
+
+std::string advice_on_dilatancy(const AnyLaw& law) {
+  if (const auto* soil = std::get_if<MohrCoulomb>(&law))
+    return soil->residual_dilatancy_angle < 0.0 ? ": give it residual_dilatancy_angle = 0 from a plastic strain softening_end on" : "";
+  return ": take dilatancy_angle = 0, or law = \"mohr_coulomb\" with a residual_dilatancy_angle";
 }
 
 std::string advice_on_overlap(const Case& c) {

@@ -10,8 +10,14 @@ namespace berm {
 /// Where the balance of energy is off. `at_once`: by a third already in the first step.
 std::string advice_on_energy(const Case& c, bool at_once);
 
-/// Where no equilibrium was found with the smallest step.
-std::string advice_on_equilibrium(const Case& c, const Stage& stage);
+/// Where no equilibrium was found with the smallest step. `slips`: a contact is known to let a body go.
+std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips = false);
+
+/// Where material is deep inside a rigid body; goes on after a comma.
+std::string advice_on_penetration(const Case& c);
+
+/// Where soil swells; with its punctuation, empty if its dilatancy ends already.
+std::string advice_on_dilatancy(const AnyLaw& law);
 
 /// Where bodies lie in one another; with its punctuation, empty if there is none.
 std::string advice_on_overlap(const Case& c);

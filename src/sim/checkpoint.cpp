@@ -41,6 +41,7 @@ std::vector<T> read_share(const CheckpointFile& file, const Comm& comm, const st
 
 void save_recorder(CheckpointFile& file, const Comm& comm, const RecorderState& s) {
   file.write("recorder/rows", from_root(comm, s.rows));
+  file.write("recorder/watched", from_root(comm, s.watched));
   file.write("recorder/quality", from_root(comm, s.quality));
   std::vector<double> times;
   std::string names;
@@ -64,6 +65,7 @@ void save_recorder(CheckpointFile& file, const Comm& comm, const RecorderState& 
 RecorderState load_recorder(const CheckpointFile& file) {
   RecorderState s;
   s.rows = read_all(file, "recorder/rows");
+  s.watched = read_all(file, "recorder/watched");
   s.quality = read_all(file, "recorder/quality");
   const std::vector<double> times = read_all(file, "recorder/frame_times");
   const std::string names = file.read_text("recorder/frame_names");

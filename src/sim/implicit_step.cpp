@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/stopwatch.hpp"
+#include "bc/case_lookup.hpp"
 
 namespace berm {
 namespace {
@@ -13,8 +14,12 @@ namespace {
 constexpr double impl_ex_tolerance = 1e-5;
 
 /// Where the residual no longer falls, because states of contact or yielding come and go, this relative one is taken for
-/// equilibrium; the rest is carried into the next step's.
-constexpr double still_tolerance = 1e-5;
+/// equilibrium; the rest is carried into the next step's. Whole zones at the limit of non-associated flow have no better one.
+double still_tolerance(const Case& c) { return any_law(c, is_plastic) ? 1e-4 : 1e-5; }
+
+/// A state in which nothing changes is kept if its forces are out of balance by no more than this, which comes from points that
+/// have moved on the grid; with more it is no equilibrium.
+constexpr double rest_tolerance = 1e-2;
 
 /// Forces of a contact whose nodes have been frozen may be off by this share of themselves.
 constexpr double most_violation = 0.1;
@@ -442,6 +447,45 @@ bool ImplicitStep::is_fair() const {
   return world_.boundary->grid_contact().violation(*world_.discretisation, du_) <= most_violation;
 }
 
+/// In equilibrium, whether supports, rigid bodies and loads are at the end of the step what and where they were at its start.
+bool ImplicitStep::nothing_changes() const {
+  const Case& c = world_.spec;
+  if (motion_ || gauge_ >= 0 || t0_ <= 0.0 || !same_act_in(c, last_stage_, world_.present_stage().name)) return false;
+  if (any_law(c, [](const AnyLaw& law) { return std::holds_alternative<Newtonian>(law); })) return false;
+  bool same = std::all_of(prescribed_.begin(), prescribed_.end(), [](double du) { return du == 0.0; });
+  for (const Body& b : c.bodies) same = same && b.displacement.step(t0_, t1_).isZero(0.0);
+  for (const NodeBoundary& b : c.boundaries) {
+    const auto rests = [&](const TimeFunction& u) { return !u.depends_on_place() && u.step(t0_, t1_) == 0.0; };
+    same = same && (b.body.empty() || std::all_of(b.u.begin(), b.u.end(), [&](const auto& u) { return !u || rests(*u); })) && rests(b.un);
+  }
+  return world_.comm.all(same) && world_.comm.all(weight_ == weight_at(t0_)) &&
+         world_.comm.all(pressure_at(t0_, no_motion()) == pressure_at(t1_, no_motion()));
+}
+
+/// Where forces of the last residual balance least, on all processes.
+void ImplicitStep::find_worst_node(StepResult& result) const {
+  const Discretisation& d = *world_.discretisation;
+  if (static_cast<int>(force_.size()) != d.n_nodes()) return;
+  const std::vector<char>& fixed = world_.boundary->fixed();
+  double sum = 0.0, worst = -1.0;
+  int node = -1;
+  for (int i = 0; i < d.halo.n_owned; ++i) {
+    double here = 0.0;
+    for (int k = 0; k < dimension_; ++k)
+      if (!fixed[dimension_ * i + k]) here += force_[i][k] * force_[i][k];
+    sum += here;
+    if (here > worst) worst = here, node = i;
+  }
+  sum = world_.comm.sum(sum);
+  const double all = world_.comm.max(worst);
+  std::vector<Vec3> found;
+  if (node >= 0 && worst == all) found.push_back(d.nodes[node]);
+  found = world_.comm.all_gather(found);
+  if (found.empty() || !(sum > 0.0)) return;
+  result.where = found[0];
+  result.share = std::sqrt(all / sum);
+}
+
 StepResult ImplicitStep::attempt(double dt, Integration integration) {
   prepare(integration);
   n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
@@ -461,6 +505,16 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   StepResult result;
   std::vector<double> x, r;
   world_.boundary->grid_contact().begin_step(*world_.discretisation);
+  if (integration == Integration::implicit && nothing_changes() && residual(std::vector<double>(n_mine(), 0.0), r)) {
+    double sum = 0.0;
+    for (const double value : r) sum += value * value;
+    result.residual = std::sqrt(world_.comm.sum(sum)) / std::max(force_scale_, 1e-300);
+    if (result.residual <= rest_tolerance) {
+      result.converged = true;
+      result.at_rest = result.residual;
+      return result;
+    }
+  }
   if (!first_guess(x, result.iterations, integration)) {
     result.reason = "the matrix of the first guess could not be factorised";
     return result;
@@ -499,7 +553,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
     }
     if (newton.converged) break;
     const bool last = &attempt == &tries.back();
-    if ((newton.stood_still || last) && take_still(newton, still_tolerance * scale, x)) {
+    if ((newton.stood_still || last) && take_still(newton, still_tolerance(world_.spec) * scale, x)) {
       result.stood_still = true;
       break;
     }
@@ -511,6 +565,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   result.reason = newton.reason;
   if (!result.converged) {
     last_dt_ = 0.0;
+    find_worst_node(result);
     return result;
   }
   residual(x, r);  // the trial state of the solution, if a rejected line search came after it
@@ -545,6 +600,7 @@ void ImplicitStep::accept() {
   bc.share_gauges();
   last_du_ = du_;
   last_dt_ = t1_ - t0_;
+  last_stage_ = world_.present_stage().name;
   world_.time = t1_;
   world_.load_factor = load_factor_;
   prepared_ = world_.step_begun = false;

@@ -18,7 +18,10 @@ struct StepResult {
   double residual = 0.0;             ///< norm over the norm of the forces [-]
   double extrapolation_error = 0.0;  ///< impl_ex: largest error of a stress over the strength [-]
   double time_error = 0.0;           ///< dynamic: of the time integration [-]
+  double at_rest = 0.0;              ///< nothing changed, so nothing was solved: residual that was there [-]
   std::vector<double> residuals;     ///< every norm, relative
+  Vec3 where = Vec3::Zero();         ///< not converged: the node at which forces balance least
+  double share = 0.0;                ///< not converged: of the norm of the residual that is there [-]
   std::string reason;
 };
 
@@ -92,6 +95,8 @@ private:
   };
   std::vector<Attempt> attempts(const Solver& s) const;
   bool is_fair() const;
+  bool nothing_changes() const;
+  void find_worst_node(StepResult& result) const;
   bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);
   NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
@@ -119,6 +124,7 @@ private:
   long n_unknowns_ = 0;
   NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
+  std::string last_stage_;                   ///< of the last step
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;
   std::optional<Newmark> motion_;            ///< of the step; dynamic analyses only

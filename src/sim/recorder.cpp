@@ -169,6 +169,7 @@ RecorderState Recorder::state() const {
   s.newton_iterations = newton_iterations_;
   s.next_frame = next_frame_;
   s.highest = highest_;
+  s.watched = watched_.row();
   s.gap_scatter = gap_scatter_;
   s.peak_pending = peak_.has_value();
   for (const Quality& q : quality_) s.quality.insert(s.quality.end(), {q.load, q.noise, q.error});
@@ -193,6 +194,7 @@ void Recorder::resume(const RecorderState& s) {
   newton_iterations_ = s.newton_iterations;
   next_frame_ = s.next_frame;
   highest_ = s.highest;
+  watched_.restore(s.watched);
   gap_scatter_ = s.gap_scatter;
   for (std::size_t k = 0; k < s.quality.size(); k += 3)
     quality_.push_back({s.quality[k], s.quality[k + 1], s.quality[k + 2]});

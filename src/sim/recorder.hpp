@@ -13,6 +13,7 @@
 #include "io/vtu.hpp"
 #include "sim/implicit_step.hpp"
 #include "sim/local_fit.hpp"
+#include "sim/watch.hpp"
 
 namespace berm {
 
@@ -23,6 +24,7 @@ struct RecorderState {
   long newton_iterations = 0;
   double next_frame = 0.0, highest = 0.0, gap_scatter = 0.0;
   bool peak_pending = false;
+  std::vector<double> watched;                              ///< Watched
   std::vector<double> quality;                              ///< load, noise, error, load, ...
   std::vector<std::pair<double, std::string>> frames;  ///< entries of points.pvd
 };
@@ -43,6 +45,9 @@ public:
   /// After every accepted step.
   void record(const StepResult& result, Integration integration);
   void count_cut() { ++cut_steps_; }
+  /// What has been seen beside the equations, for the metrics.
+  void note(const Watched& watched) { watched_ = watched; }
+  const Watched& watched() const { return watched_; }
   /// Writes the last frame and summary.json. Status as in Summary.
   void finish(const std::string& status, const std::string& reason, double wall_seconds);
 
@@ -118,6 +123,7 @@ private:
   int n_columns_ = 0;
   std::vector<double> rows_;  ///< all rows of the history
   std::vector<Quality> quality_;
+  Watched watched_;
   double gap_scatter_ = 0.0;  ///< largest at which bodies have touched [m]
 };
 

@@ -75,12 +75,15 @@ VtuData Recorder::points_data() const {
   const MaterialState& m = d.material;
   const std::vector<Vec3> u = d.point_displacements();
   const int n = m.size();
-  VtuData data = vertices(d.point_positions());
-  std::vector<double> displacement, stress, strain;
+  std::vector<Vec3> places = d.point_positions();
+  for (Vec3& x : places) x += world_.spec.origin;
+  VtuData data = vertices(std::move(places));
+  std::vector<double> displacement, stress, strain, current_volume;
   std::vector<int> body(n, 0);
   for (const Slice& slice : m.slices) std::fill(body.begin() + slice.begin, body.begin() + slice.end, slice.body);
   for (int p = 0; p < n; ++p) {
     displacement.insert(displacement.end(), u[p].data(), u[p].data() + 3);
+    current_volume.push_back(m.volume[p] * m.F[p].determinant() * std::exp(m.strain_zz[p]));
     for (int c = 0; c < 6; ++c) {
       stress.push_back(m.stress[p][c]);
       strain.push_back(c < 3 ? m.strain[p][c] : 0.5 * m.strain[p][c]);
@@ -91,6 +94,7 @@ VtuData Recorder::points_data() const {
                        {"strain", 6, strain},
                        {"damage", 1, m.damage},
                        {"volume", 1, m.volume},
+                       {"current_volume", 1, current_volume},
                        {"body", 1, body},
                        {"crack_opening", 1, m.crack_opening()},
                        {"released_energy_fraction", 1, m.released_energy_fraction()},
@@ -123,7 +127,7 @@ VtuData Recorder::mesh_data() const {
       data.connectivity.push_back(at->second);
       if (!added) continue;
       const Vec3 u = fem ? fem->displacement()[fem->blocks[static_cast<int>(k)][i]] : Vec3::Zero();
-      data.points.push_back(mesh.nodes[node % mesh.n_nodes()] + u);
+      data.points.push_back(mesh.nodes[node % mesh.n_nodes()] + u + world_.spec.origin);
       displacement.insert(displacement.end(), u.data(), u.data() + 3);
       const Voigt& s = recovered.node.at(node);
       nodal.insert(nodal.end(), s.data(), s.data() + 6);

@@ -138,6 +138,9 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
   if (const double error = largest_extrapolation_error(); error > 0.0)
     list.emplace_back("extrapolation_error [-]", error);
+  if (watched_.penetration > 0.0) list.emplace_back("penetration [m]", watched_.penetration);
+  if (watched_.swelling > 1.0 + 1e-9) list.emplace_back("swelling [-]", watched_.swelling);
+  if (watched_.jumps > 0.0) list.emplace_back("reaction_jump [-]", watched_.jump);
   if (gap_scatter_ > 0.0) list.emplace_back("contact_gap_scatter [m]", gap_scatter_);
   return list;
 }
@@ -190,12 +193,15 @@ void Recorder::write_surfaces(Summary& summary) const {
     if (!b.shape) continue;
     const Region region(*b.shape, world_.discretisation->cell_size());
     if (region.plane()) {
-      summary.body_rings[b.name] = region.plane()->rings();
+      auto& rings = summary.body_rings[b.name] = region.plane()->rings();
+      for (auto& ring : rings)
+        for (Vec2& x : ring) x += in_plane(world_.spec.origin);
       continue;
     }
     const TriangleSurface& surface = region.solid()->surface();
     VtuData data;
     data.points = surface.vertices;
+    for (Vec3& x : data.points) x += world_.spec.origin;
     for (const auto& triangle : surface.triangles) {
       data.connectivity.insert(data.connectivity.end(), triangle.begin(), triangle.end());
       data.offsets.push_back(static_cast<int>(data.connectivity.size()));

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <utility>
 
 #include "base/error.hpp"
 #include "io/log.hpp"
@@ -12,7 +13,7 @@
 #include "sim/checkpoint.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
-#include "transfer/mpm.hpp"
+#include "sim/watch.hpp"
 
 namespace berm {
 namespace {
@@ -50,6 +51,7 @@ public:
         step_(*world_),
         recorder_(*world_, step_, options.folder),
         control_(world_->present_stage()),
+        watch_(*world_, [this](const std::string& text) { log_.warning(text); }),
         progress_(log_, start_),
         saved_(start_) {
     log_.info(describe(*world_));
@@ -61,6 +63,7 @@ public:
       return;
     }
     load_checkpoint(options.restart, *world_, step_, recorder_, control_);
+    watch_.seen = recorder_.watched();
     log_.info(
         fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
   }
@@ -162,8 +165,8 @@ private:
         ++n_still_;
         worst_still_ = std::max(worst_still_, result.residual);
       }
+      watch(result);
       recorder_.record(result, integration);
-      if (recorder_.steps() % steps_between_looks == 0) look_for_overlap();
       if (integration == Integration::implicit)
         control_.after_implicit(result.iterations, result.time_error);
       else
@@ -173,6 +176,20 @@ private:
                         result.iterations, result.residual, world_->n_points()});
       return;
     }
+  }
+
+  /// What has been found when it ends a run is in its summary too.
+  void watch(const StepResult& result) {
+    if (result.at_rest > told_at_rest && !std::exchange(rest_told_, true))
+      log_.info(fmt::format("nothing changes at time {:.6g}: nothing moves; forces are out of balance by {:.1e} since points have moved on the grid",
+                            world_->time, result.at_rest));
+    try {
+      watch_.look(step_, recorder_.steps() + 1);
+    } catch (...) {
+      recorder_.note(watch_.seen);
+      throw;
+    }
+    recorder_.note(watch_.seen);
   }
 
   /// True if the step is not good enough and has been cut.
@@ -198,26 +215,16 @@ private:
                                world_->time, bridge_steps));
       return;
     }
-    throw RunError(fmt::format("no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}). {}",
-                               world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason,
-                               advice_on_equilibrium(world_->spec, world_->present_stage())));
-  }
-
-  /// Bodies that have gone into one another: contact that does not see them.
-  void look_for_overlap() {
-    const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_->discretisation.get());
-    const auto& bodies = world_->spec.bodies;
-    const auto deformable = std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.rigid; });
-    if (overlap_told_ || !mpm || deformable < 2) return;
-    const auto found = mpm->overlap();
-    if (!found) return;
-    overlap_told_ = true;
-    log_.warning(fmt::format(
-        "bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at ({:.6g}) holds {:.2g} times as much as it has "
-        "room for{}",
-        bodies[found->body_a].name, bodies[found->body_b].name, world_->time,
-        fmt::join(found->where.data(), found->where.data() + world_->spec.dimension(), ", "), found->fill,
-        advice_on_overlap(world_->spec)));
+    const std::string where =
+        result.share > 0.0 ? fmt::format("; forces balance least at ({:.6g}): {:.0f} % of it",
+                                         fmt::join(result.where.data(), result.where.data() + world_->spec.dimension(), ", "), 100.0 * result.share)
+                           : "";
+    std::vector<std::string> slipping;
+    if (world_->step_begun) slipping = world_->boundary->slipping();
+    throw RunError(fmt::format("no equilibrium found at time {:.9g} (step {:.3g}, the smallest allowed; residual {:.3g}, {}{}). {}{}{}",
+                               world_->time, dt, result.residual, result.reason.empty() ? "no reason given" : result.reason, where,
+                               fmt::join(slipping, ", and "), slipping.empty() ? "" : ". ",
+                               advice_on_equilibrium(world_->spec, world_->present_stage(), !slipping.empty())));
   }
 
   /// The linear solver and why, whenever another one is taken; the number of unknowns changes often.
@@ -237,8 +244,8 @@ private:
   }
 
   void report_end() {
+    watch_.look_last();
     const auto metrics = recorder_.metrics();
-    look_for_overlap();
     if (!comm_.is_root()) return;
     for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
     warn_about(metrics);
@@ -282,7 +289,7 @@ private:
 
   /// Length of an IMPL-EX bridge over a snap-back, in steps, before implicit steps are tried again.
   static constexpr int bridge_steps = 50;
-  static constexpr int steps_between_looks = 20;
+  static constexpr double told_at_rest = 1e-6;
 
   std::chrono::steady_clock::time_point start_;
   Comm comm_;
@@ -293,11 +300,12 @@ private:
   ImplicitStep step_;
   Recorder recorder_;
   StepControl control_;
+  Watch watch_;
   Progress progress_;
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
-  bool overlap_told_ = false;
   int n_still_ = 0;                              ///< steps that stood still
   double worst_still_ = 0.0;                     ///< their largest residual
+  bool rest_told_ = false;
   std::string choice_;                           ///< of the linear solver, as last logged
 };
 

@@ -10,11 +10,13 @@
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/far_origin.hpp"
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
 #include "law/kinds.hpp"
 #include "mesh/gmsh.hpp"
 #include "method/depth.hpp"
+#include "sim/preflight.hpp"
 #include "sim/surfaces.hpp"
 #include "transfer/mpm.hpp"
 
@@ -61,6 +63,7 @@ Mesh extract_group(const Mesh& mesh, const std::string& group, const std::string
 /// A Gmsh file whose cells have the dimension of the model.
 Mesh read_mesh(const Case& c, const std::string& file) {
   Mesh mesh = read_msh(file);
+  for (Vec3& x : mesh.nodes) x -= c.origin;
   if (mesh.dimension() != c.dimension())
     throw InputError(fmt::format("{}: a mesh of {} cells, but [model] dimension = {}", file,
                                  mesh.dimension() == 3 ? "solid" : "plane", c.dimension()));
@@ -86,6 +89,13 @@ BodySummary summary_of(const Body& body, double cell_size) {
   summary.rigid = body.rigid;
   if (body.rigid) summary.measure = Region(*body.shape, cell_size).measure();
   return summary;
+}
+
+/// What a cell of the grid takes whether it is used or not: nodes, neighbours, numbers [bytes].
+constexpr double bytes_per_cell = 120.0;
+double grid_bytes(const Case& c) {
+  const auto* s = std::get_if<StructuredGrid>(&c.grid);
+  return c.method == Method::mpm && s ? bytes_per_cell * s->nx * s->ny * std::max(1, s->nz) : 0.0;
 }
 
 Grid make_grid(const Case& c) {
@@ -144,7 +154,13 @@ bool in_one_cell(const MpmDiscretisation& mpm, const SurfacePoint& s) {
   return inside.cell == outside.cell;
 }
 
-void build_mpm(World& w) {
+/// What the checks before a run want to know of a body.
+void keep(BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::vector<double> measures) {
+  built.places[body] = std::move(places);
+  built.measures[body] = std::move(measures);
+}
+
+void build_mpm(World& w, BuiltBodies& built) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
   check_mixed_grid(c, grid.mesh);
@@ -158,7 +174,7 @@ void build_mpm(World& w) {
       structure && has_domains(c.shape_functions) && is_simplex(mpm->grid().mesh.kinds[0]))
     boxes = boxes_of(*structure);
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
-  std::vector<SurfacePoint> surface;
+  std::vector<SurfacePoint>& surface = built.surface;
   const std::vector<int> meets_others = fields_of_bodies(c);
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
@@ -197,18 +213,21 @@ void build_mpm(World& w) {
     }
     summary.points = static_cast<int>(points.x.size());
     w.bodies.push_back(summary);
+    keep(built, b, std::move(points.x), std::move(points.measure));
   }
+  refuse_overlaps(c, built, h);
   w.joints = find_joints(c, surface, h);
   w.layers = layers_of_bodies(c, w.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
+  refuse_glued_gaps(w, *mpm, surface);
   w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, surface, w.joints);
   w.discretisation = std::move(mpm);
 }
 
-void build_fem(World& w) {
+void build_fem(World& w, BuiltBodies& built) {
   const Case& c = w.spec;
   auto fem = std::make_unique<FemDiscretisation>(c.space, w.comm);
-  std::vector<SurfacePoint> surface;
+  std::vector<SurfacePoint>& surface = built.surface;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const Body& body = c.bodies[b];
     const int index = static_cast<int>(b);
@@ -217,11 +236,15 @@ void build_fem(World& w) {
     const Mesh mesh = body_mesh(c, body, body.mesh);
     fem->add_body(index, body.name, material, mesh, c.thickness);
     BodySummary summary = summary_of(body, fem->cell_size());
+    std::vector<Vec3> centres;
+    std::vector<double> measures;
     for (int e = 0; e < mesh.n_cells(); ++e) {
-      const double measure = cell_measure(mesh, e);
-      summary.measure += measure;
-      summary.mass += measure * depth(c.space, c.thickness, cell_centre(mesh, e).x()) * material.density;
+      centres.push_back(cell_centre(mesh, e));
+      measures.push_back(cell_measure(mesh, e));
+      summary.measure += measures.back();
+      summary.mass += measures.back() * depth(c.space, c.thickness, centres.back().x()) * material.density;
     }
+    keep(built, b, std::move(centres), std::move(measures));
     summary.points = fem->points_of_body(index);
     summary.elements = mesh.n_cells();
     add_surface_of_mesh(c, index, mesh, fem->cell_size() / surface_points_per_cell(c), surface);
@@ -229,6 +252,7 @@ void build_fem(World& w) {
   }
   for (const Body& body : c.bodies)
     if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
+  refuse_overlaps(c, built, fem->cell_size());
   w.joints = find_joints(c, surface, fem->cell_size());
   w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, surface, w.joints);
   w.discretisation = std::move(fem);
@@ -287,19 +311,6 @@ void refuse_contacts_out_of_sight(const World& w) {
   }
 }
 
-/// Parts that functions of higher degree tie together. Collective.
-void warn_of_ties(World& w) {
-  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get());
-  if (!mpm) return;
-  const auto [count, at] = mpm->ties_across_gaps();
-  if (count == 0) return;
-  const std::string z = mpm->dimension() == 3 ? fmt::format(", {:.6g}", at.z()) : "";
-  w.warnings.push_back(fmt::format(
-      "grid.shape_functions: {} functions tie together parts that lie apart, the first near ({:.6g}, {:.6g}{}): functions "
-      "of degree {} reach across gaps of less than {} cells. Make the cells smaller, or take linear functions or cpdi",
-      count, at.x(), at.y(), z, mpm->degree(), mpm->degree()));
-}
-
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
   w.warnings = w.spec.warnings;
@@ -320,14 +331,18 @@ void collect_warnings(World& w) {
                       w.spec.bodies[slice.body].name, longest));
   }
   warn_of_missing_contacts(w);
-  warn_of_ties(w);
 }
 
 /// Pins, gauges and probes must lie in a deformable body.
 void check_places(const World& w) {
   const Discretisation& d = *w.discretisation;
   const std::vector<Vec3> points = d.point_positions();
-  const double reach = 1.5 * d.cell_size();
+  double longest = d.cell_size();  // edge of a cell
+  const Mesh& mesh = d.mesh();
+  for (int cell = 0; cell < mesh.n_cells(); ++cell)
+    for (int k = 1; k < corners_of(mesh.kinds[cell]); ++k)
+      longest = std::max(longest, (mesh.nodes[mesh.cell(cell)[k]] - mesh.nodes[mesh.cell(cell)[k - 1]]).norm());
+  const double reach = 1.5 * longest;
   auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
     const bool near = w.comm.any(
         std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
@@ -382,10 +397,18 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   auto w = std::make_unique<World>();
   w->spec = std::move(spec);
   w->comm = comm;
-  if (w->spec.method == Method::mpm)
-    build_mpm(*w);
-  else
-    build_fem(*w);
+  count_from_the_grid(w->spec);
+  BuiltBodies built{{}, std::vector<std::vector<Vec3>>(w->spec.bodies.size()), std::vector<std::vector<double>>(w->spec.bodies.size())};
+  try {
+    if (w->spec.method == Method::mpm)
+      build_mpm(*w, built);
+    else
+      build_fem(*w, built);
+  } catch (const std::bad_alloc&) {
+    throw InputError(fmt::format("not enough memory to build the model; [grid] cells alone need about {:.2g} GB, used or not: make the grid "
+                                 "smaller around the bodies, or its cells larger",
+                                 grid_bytes(w->spec) / 1e9));
+  }
   double youngs = 0.0;
   for (const Material& m : w->spec.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
@@ -396,6 +419,8 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   w->begin_step();
   w->discretisation->start_motion([&](int body, const Vec3& X) { return w->spec.bodies[body].velocity.at(0.0, X); });
   refuse_contacts_out_of_sight(*w);
+  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w->discretisation.get())) refuse_hanging_bodies(*w, *mpm, built.surface);
+  refuse_free_bodies(*w);
   collect_warnings(*w);
   return w;
 }
@@ -433,7 +458,10 @@ std::string describe(const World& w) {
   if (w.comm.size() > 1)
     line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
                      d.most_loaded()));
-  line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0) / 1e6 + 60.0));
+  if (!w.spec.origin.isZero(0.0))
+    line(fmt::format("  coordinates       in messages count from ({:.9g}, {:.9g}, {:.9g}), in files from the origin", w.spec.origin.x(),
+                     w.spec.origin.y(), w.spec.origin.z()));
+  line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0 + grid_bytes(w.spec)) / 1e6 + 60.0));
   for (const Stage& s : w.spec.stages)
     line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
                      s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",

@@ -197,6 +197,9 @@ void MpmDiscretisation::find_cells() {
     for (std::size_t p = 0; p < x_.size(); ++p) {
       if (total_lagrangian_ && cell_[p] >= 0) continue;  // the cells of the start hold
       cell_[p] = grid_.locator->locate(total_lagrangian_ ? X_[p] : x_[p], cell_[p]);
+      if (cell_[p] < 0 && space_ == Space::axisymmetric && x_[p].x() <= 0.0)
+        throw RunError(fmt::format("material point {} has crossed the axis of symmetry at {}: take smaller steps, or cells", id_[p],
+                                   text_of(x_[p], dimension())));
       if (cell_[p] < 0)
         throw RunError(
             fmt::format("material point {} has left the background grid at {}: make the grid larger, or stop the run "

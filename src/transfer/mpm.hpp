@@ -93,6 +93,8 @@ public:
   void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;
 
   const Grid& grid() const { return grid_; }
+  /// Of the shape functions that see a place in a cell of the grid, without layers.
+  std::span<const int> nodes_of(int grid_cell) const { return basis_.nodes_of(grid_cell); }
   /// Of the shape functions.
   int degree() const { return basis_.degree(); }
   /// Where the grid sees the points: where they are, total Lagrangian where they started.
@@ -110,9 +112,6 @@ public:
   /// Points that there have been on all processes: those of the start and those that came by splitting.
   long points_made() const { return static_cast<long>(next_id_); }
   int n_patches() const { return patch_nodes_.size(); }
-  /// Nodes whose functions reach parts of a field that lie apart there, with empty cells between them: a slit that is too
-  /// narrow for B-splines. None with linear functions. How many, and where one of them is. Collective.
-  std::pair<long, Vec3> ties_across_gaps() const;
   /// Points that lie in each active cell.
   std::vector<std::vector<int>> points_by_cell() const;
 
@@ -157,7 +156,6 @@ private:
   bool is_inside(int active) const;
   void look_at_gauss_points();
   void fit_forces(int active);
-  bool ties_parts(int layered_node, const std::vector<char>& filled) const;
   void build_faces();
   Face make_face(int cell_a, int local, int cell_b, double penalty) const;
   void number_nodes();

@@ -32,6 +32,26 @@ TEST(TimeFunction, ExpressionOfTimeAndPlace) {
   EXPECT_DOUBLE_EQ(TimeFunction("t > 0.5 ? 2 : 1").at(0.75), 2.0);
 }
 
+/// What an expression is at t = 0 comes with the first step; a number begins with 0 anyway.
+TEST(TimeFunction, StepsBeginWithZero) {
+  const TimeFunction constant("-0.001 - 0.0*t"), ramp("2*t + 1"), number(3.0);
+  EXPECT_DOUBLE_EQ(constant.step(0.0, 0.2), -0.001);
+  EXPECT_DOUBLE_EQ(constant.step(0.2, 0.4), 0.0);
+  EXPECT_DOUBLE_EQ(ramp.step(0.0, 0.5) + ramp.step(0.5, 1.0), 3.0);
+  EXPECT_DOUBLE_EQ(number.step(0.0, 0.5), 1.5);
+}
+
+TEST(TimeFunction, PlacesCountFromAnOrigin) {
+  TimeFunction f("x + 2*y");
+  f.set_origin(Vec3(100.0, 1000.0, 0.0));
+  EXPECT_DOUBLE_EQ(f.at(0.0, Vec3(1.0, 2.0, 0.0)), 2105.0);
+}
+
+TEST(TimeFunction, RefusesAssignmentsAndConstantsWithoutAValue) {
+  for (const char* text : {"t=5", "t = 5", "0*t + (x=3)", "1/0", "log(0)", "sqrt(-1)"}) EXPECT_THROW(TimeFunction{text}, std::invalid_argument) << text;
+  for (const char* text : {"t==5 ? 1 : 2", "t>=5 ? 1 : 2", "t<=5 ? 1 : 2", "t!=5 ? 1 : 2", "1/t"}) EXPECT_NO_THROW(TimeFunction{text}) << text;
+}
+
 TEST(TimeFunction, CopiesDoNotDisturbEachOther) {
   const TimeFunction a("x + t"), b = a;
   EXPECT_EQ(a.at(1.0, Vec3(1.0, 0.0, 0.0)) + b.at(2.0, Vec3(3.0, 0.0, 0.0)), 7.0);

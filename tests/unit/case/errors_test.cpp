@@ -167,6 +167,19 @@ TEST_F(DimensionErrors, everyEntryOfAVectorIsChecked) {
             "case.toml:7:18: \"cells[2]\" in [grid] must be 1 <= value <= 100000, is 0");
 }
 
+/// Only keys are counted: comments and strings may have as many dots as they like.
+TEST_F(CaseErrors, dotsOfCommentsAndStrings) {
+  const std::string dots(1500, '.');
+  EXPECT_EQ(errors("# " + dots + "\n" + small_case), "");
+  EXPECT_EQ(errors("title = \"" + dots + "\"  # \"" + dots + "\n" + small_case), "");
+  EXPECT_EQ(errors("title = '" + dots + "'\n" + small_case), "");
+  EXPECT_EQ(errors("title = \"\"\"\n" + dots + " \"" + dots + "\n\"\"\"\n" + small_case), "");
+  std::string key = "a";
+  for (int k = 0; k < 1500; ++k) key += ".a";
+  EXPECT_NE(errors(key + " = 1\n" + small_case).find("a key of more than a thousand parts"), std::string::npos);
+  EXPECT_NE(errors("title = \"a\"\n" + key + " = 1\n" + small_case).find("a key of more than a thousand parts"), std::string::npos);
+}
+
 TEST_F(CaseErrors, expressionsOfLoadsAndMotions) {
   const auto gravity = [&](const std::string& value) {
     return errors(with(small_case, "[0.0, -9.81]", "[0.0, \"" + value + "\"]"));

@@ -1,0 +1,32 @@
+#pragma once
+/// What can be seen to be wrong before a run: bodies in one place, gaps that the grid does not see, bodies that nothing holds.
+
+#include "bc/surface.hpp"
+#include "sim/world.hpp"
+#include "transfer/mpm.hpp"
+
+namespace berm {
+
+/// The bodies as they were built, before their points and surfaces are dealt out to the processes.
+struct BuiltBodies {
+  std::vector<SurfacePoint> surface;         ///< of all deformable bodies
+  std::vector<std::vector<Vec3>> places;     ///< by body of the case: of points or elements
+  std::vector<std::vector<double>> measures; ///< their areas [m2] or volumes [m3]
+};
+
+/// Throws InputError if two deformable bodies, or a deformable and a rigid one that touch by contact, fill the same place.
+/// `size`: of the cells.
+void refuse_overlaps(const Case& c, const BuiltBodies& built, double size);
+
+/// Throws InputError if the grid's functions join the two sides of a gap in a body, or between bodies without a contact;
+/// a warning in its place if the case allows it.
+void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
+
+/// Of a world whose first step has begun: the same for bodies that hang on held nodes beside them. Collective.
+void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
+
+/// Throws InputError if a body of a quasi-static first stage can move without any resistance, or has fewer points than
+/// B-splines need. Collective.
+void refuse_free_bodies(const World& w);
+
+}  // namespace berm

@@ -1,0 +1,198 @@
+#include "sim/watch.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "bc/case_lookup.hpp"
+#include "sim/advice.hpp"
+#include "transfer/mpm.hpp"
+
+namespace berm {
+namespace {
+
+constexpr int steps_between_looks = 20;  ///< for what takes longer to look for
+
+bool dilates(const AnyLaw& law) {
+  if (const auto* soil = std::get_if<MohrCoulomb>(&law)) return soil->dilatancy_angle > 0.0;
+  if (const auto* soil = std::get_if<DruckerPrager>(&law)) return soil->dilatancy_angle > 0.0;
+  return false;
+}
+
+}  // namespace
+
+void Watched::restore(const std::vector<double>& row) {
+  if (row.size() != 4) return;  // of an older checkpoint
+  penetration = row[0], swelling = row[1], jump = row[2], jumps = row[3];
+}
+
+Watch::Watch(const World& world, Say warn)
+    : world_(world), warn_(std::move(warn)), reaction_(world.spec.bodies.size(), Vec3::Zero()), change_(reaction_), rate_(reaction_),
+      largest_(reaction_.size(), 0.0), time_(world.time) {
+  constexpr int most_boxes = 1000000;
+  using enum Contact::Kind;
+  const Case& c = world.spec;
+  const double h = world.discretisation->cell_size();
+  for (const Contact& k : c.contacts) {
+    if (!k.other.empty() || k.kind == tie || k.kind == shared_nodes) continue;
+    Obstacle o{body_index(c, k.rigid), body_index(c, k.body), k.stages, Region(*c.bodies[body_index(c, k.rigid)].shape, h), {}, h, {1, 1, 1}, {}};
+    o.low = o.region.min();
+    const Vec3 size = o.region.max() - o.low;
+    const auto count = [&] {
+      for (int i = 0; i < c.dimension(); ++i) o.n[i] = static_cast<int>(std::min(1e7, std::floor(size[i] / o.width))) + 1;
+      return double(o.n[0]) * o.n[1] * o.n[2];
+    };
+    while (count() > most_boxes) o.width *= 2.0;
+    o.box.assign(static_cast<std::size_t>(count()), 0);
+    obstacles_.push_back(std::move(o));
+  }
+}
+
+double Watch::Obstacle::depth(const Vec3& x) {
+  constexpr char far = 1, near = 2;
+  std::size_t at = 0;
+  Vec3 middle = x;
+  for (int i = region.dimension() - 1; i >= 0; --i) {
+    const double k = std::floor((x[i] - low[i]) / width);
+    if (!(k >= 0.0 && k < n[i])) return 0.0;
+    at = at * n[i] + static_cast<std::size_t>(k);
+    middle[i] = low[i] + (k + 0.5) * width;
+  }
+  if (box[at] == 0) {
+    const double corner = 0.5 * std::sqrt(double(region.dimension())) * width;
+    box[at] = region.nearest(middle).distance > corner ? far : near;
+  }
+  return box[at] == far ? 0.0 : std::max(0.0, -region.nearest(x).distance);
+}
+
+/// In small strain places stay where they started.
+Vec3 Watch::place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const {
+  return world_.spec.kinematics == Kinematics::small ? Vec3(X[p] + u[p]) : x[p];
+}
+
+std::string Watch::place_text(const Vec3& x) const {
+  return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + world_.spec.dimension(), ", "));
+}
+
+void Watch::look(const ImplicitStep& step, int n_steps) {
+  look_for_jumps(step.balance().reactions, world_.time);
+  look_for_penetration();
+  if (n_steps % steps_between_looks == 0) {
+    look_for_overlap();
+    look_for_swelling();
+  }
+}
+
+void Watch::look_last() {
+  look_for_overlap();
+  look_for_swelling();
+  if (seen.jumps > 0.0)
+    warn_(fmt::format("reactions jumped by more than a tenth in {:.0f} step{} of a smooth motion{}: look at history.csv there; smaller steps "
+                      "show whether the jump is of the model",
+                      seen.jumps, seen.jumps == 1.0 ? "" : "s", worst_jump_));
+}
+
+void Watch::look_for_penetration() {
+  if (obstacles_.empty()) return;
+  constexpr double told = 0.1, most = 1.0;  // cells
+  const Discretisation& d = *world_.discretisation;
+  const double h = d.cell_size();
+  const std::vector<Vec3> X = d.point_origins(), x = d.point_positions(), u = d.point_displacements();
+  double deepest = 0.0;
+  Vec3 where = Vec3::Zero();
+  int worst = -1;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    Obstacle& o = obstacles_[k];
+    if (!acts_in(o.stages, world_.present_stage().name)) continue;
+    const Vec3 moved = world_.spec.bodies[o.rigid].displacement.at(world_.time);
+    for (const Slice& slice : d.material.slices) {
+      if (slice.body != o.body) continue;
+      for (int p = slice.begin; p < slice.end; ++p) {
+        const Vec3 at = place_now(X, x, u, p);
+        if (const double depth = o.depth(at - moved); depth > deepest) deepest = depth, where = at, worst = static_cast<int>(k);
+      }
+    }
+  }
+  const double all = world_.comm.max(deepest);
+  seen.penetration = std::max(seen.penetration, all);
+  if (all <= told * h || (penetration_told_ && all <= most * h)) return;
+  std::vector<double> found;  // of the process that has seen it
+  if (deepest == all) found = {double(worst), where.x(), where.y(), where.z()};
+  found = world_.comm.all_gather(found);
+  const Obstacle& o = obstacles_[static_cast<int>(found[0])];
+  const std::string text =
+      fmt::format("material of \"{}\" is {:.3g} m deep inside of rigid body \"{}\" at {}, time {:.6g} ({:.2g} cells): contact acts on the "
+                  "surface of the body, which has slid off there",
+                  world_.spec.bodies[o.body].name, all, world_.spec.bodies[o.rigid].name, place_text(Vec3(found[1], found[2], found[3])),
+                  world_.time, all / h);
+  if (all > most * h)
+    throw RunError(text + ". What the rigid body feels is no longer right: end the run before, " + advice_on_penetration(world_.spec));
+  penetration_told_ = true;
+  warn_(text);
+}
+
+void Watch::look_for_overlap() {
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
+  const auto& bodies = world_.spec.bodies;
+  const auto deformable = std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.rigid; });
+  if (overlap_told_ || !mpm || deformable < 2) return;
+  const auto found = mpm->overlap();
+  if (!found) return;
+  overlap_told_ = true;
+  warn_(fmt::format("bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at {} holds {:.2g} times as much as it has room for{}",
+                    bodies[found->body_a].name, bodies[found->body_b].name, world_.time, place_text(found->where), found->fill,
+                    advice_on_overlap(world_.spec)));
+}
+
+/// Dilatancy does not end by itself.
+void Watch::look_for_swelling() {
+  constexpr double told = 1.1;
+  const MaterialState& m = world_.discretisation->material;
+  for (const Slice& slice : m.slices) {
+    if (!dilates(slice.law)) continue;
+    double before = 0.0, now = 0.0, most = 0.0;
+    for (int p = slice.begin; p < slice.end; ++p) {
+      const double J = m.F[p].determinant();
+      before += m.volume[p], now += J * m.volume[p], most = std::max(most, J);
+    }
+    before = world_.comm.sum(before), now = world_.comm.sum(now), most = world_.comm.max(most);
+    seen.swelling = std::max(seen.swelling, now / before);
+    if (now < told * before || swelling_told_) continue;
+    swelling_told_ = true;
+    warn_(fmt::format("\"{}\" has swollen to {:.3g} times its volume at time {:.6g}, a point to {:.3g} times: dilatancy does not end by itself{}",
+                      world_.spec.bodies[slice.body].name, now / before, world_.time, most, advice_on_dilatancy(slice.law)));
+  }
+}
+
+/// Where rigid bodies move evenly in equilibrium and nothing cracks, a reaction changes from step to step as it did.
+void Watch::look_for_jumps(const Reactions& now, double time) {
+  constexpr double told = 0.1, sudden = 3.0, even = 0.1;
+  const double span = time - time_, before = span_;
+  const bool in_equilibrium = world_.present_stage().steps.analysis == Analysis::quasi_static && !any_law(world_.spec, is_damage);
+  const bool same_stage = time_ > world_.present_stage().begin;
+  for (std::size_t b = 0; b < reaction_.size(); ++b) {
+    if (!world_.spec.bodies[b].rigid) continue;
+    const VectorFunction& motion = world_.spec.bodies[b].displacement;
+    const Vec3 rate = motion.step(time_, time) / span, change = now.rigid[b] - reaction_[b];
+    largest_[b] = std::max(largest_[b], now.rigid[b].norm());
+    const bool goes_on = before > 0.0 && (rate - rate_[b]).norm() <= even * rate.norm();
+    const Vec3 odd = before > 0.0 ? Vec3(change - change_[b] * (span / before)) : change;
+    const double size = std::min(change.norm(), odd.norm());
+    if (in_equilibrium && same_stage && goes_on && reaction_[b].norm() > told * largest_[b] && size > told * largest_[b] &&
+        change.norm() > sudden * change_[b].norm() * (span / before)) {
+      seen.jumps += 1.0;
+      if (size / largest_[b] > seen.jump) {
+        seen.jump = size / largest_[b];
+        worst_jump_ = fmt::format(", most at time {:.6g}, where that of \"{}\" went from {} to {} N", time, world_.spec.bodies[b].name,
+                                  place_text(reaction_[b]), place_text(now.rigid[b]));
+      }
+    }
+    reaction_[b] = now.rigid[b], change_[b] = change, rate_[b] = rate;
+  }
+  time_ = time, span_ = span;
+}
+
+}  // namespace berm

@@ -1,0 +1,68 @@
+#pragma once
+/// Looks after every step for what the equations do not notice: material inside rigid bodies, bodies inside each other,
+/// reactions that jump, soil that swells without end.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mesh/region.hpp"
+#include "sim/implicit_step.hpp"
+
+namespace berm {
+
+/// What it has seen so far: plain numbers that outlive the process.
+struct Watched {
+  double penetration = 0.0;  ///< deepest place of material inside a rigid body [m]
+  double swelling = 1.0;     ///< largest volume of a body of soil over that at the start [-]
+  double jump = 0.0;         ///< largest change of a reaction in a step of a smooth motion over the largest reaction [-]
+  double jumps = 0.0;        ///< steps with one above a tenth
+  std::vector<double> row() const { return {penetration, swelling, jump, jumps}; }
+  void restore(const std::vector<double>& row);
+};
+
+class Watch {
+public:
+  using Say = std::function<void(const std::string&)>;
+  /// `warn` gets each warning once.
+  Watch(const World& world, Say warn);
+
+  /// After every accepted step. Throws RunError if material is more than a cell deep inside a rigid body. Collective.
+  void look(const ImplicitStep& step, int n_steps);
+  /// At the end of a run. Collective.
+  void look_last();
+  /// The part that looks at reactions, those at that time. Not collective.
+  void look_for_jumps(const Reactions& now, double time);
+
+  Watched seen;
+
+private:
+  /// A rigid body that material must not enter. In its own frame, boxes of a cell's size: unknown, far outside, near.
+  struct Obstacle {
+    int rigid, body;
+    Stages stages;
+    Region region;
+    Vec3 low;
+    double width;
+    std::array<int, 3> n;
+    std::vector<char> box;
+    double depth(const Vec3& x);  ///< of a place inside, else 0
+  };
+  void look_for_penetration();
+  void look_for_overlap();
+  void look_for_swelling();
+  Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
+  std::string place_text(const Vec3& x) const;
+
+  const World& world_;
+  Say warn_;
+  std::vector<Obstacle> obstacles_;
+  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false;
+  // of the last steps
+  std::vector<Vec3> reaction_, change_, rate_;  ///< by case body
+  std::vector<double> largest_;                 ///< reaction so far [N]
+  double time_ = 0.0, span_ = 0.0;
+  std::string worst_jump_;
+};
+
+}  // namespace berm

@@ -1,0 +1,177 @@
+/// What is seen before a run to be wrong, with its place, and that remedies are accepted. [docs/checks.md]
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "driver.hpp"
+
+namespace berm::verify {
+namespace {
+
+const std::string material = R"(
+[material.m]
+law = "linear_elastic"
+density = 2400.0
+youngs_modulus = 30e9
+poisson_ratio = 0.2
+[steps]
+count = 1
+)";
+
+const std::string grid = "grid = { origin = [-0.2, -0.2], cell_size = 0.1, cells = [24, 24] }\n";
+const std::string space_grid =
+    "model.dimension = 3\ngrid = { kind = \"hexahedra\", origin = [-0.2, -0.2, -0.2], cell_size = 0.1, cells = [14, 14, 14] }\n";
+const std::string base = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nux = 0.0\nuy = 0.0\n";
+
+std::string body(const std::string& name, const std::string& shape) {
+  return fmt::format("[body.{}]\nmaterial = \"m\"\nshape = {{ {} }}\nmesh = {{ kind = \"quads\", size = 0.1 }}\n", name, shape);
+}
+std::string box(double x0, double y0, double x1, double y1) {
+  return fmt::format("box = {{ min = [{}, {}], max = [{}, {}] }}", x0, y0, x1, y1);
+}
+
+/// What building the case says; "" if it can be built.
+std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    build_world(case_of(text, overrides));
+    return "";
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+void expect_words(const std::string& text, std::initializer_list<const char*> words) {
+  for (const char* word : words) EXPECT_NE(text.find(word), std::string::npos) << "no \"" << word << "\" in: " << text;
+}
+
+bool warns(const World& w, const std::string& word) {
+  for (const std::string& text : w.spec.warnings)
+    if (text.find(word) != std::string::npos) return true;
+  for (const std::string& text : w.warnings)
+    if (text.find(word) != std::string::npos) return true;
+  return false;
+}
+
+// Gaps.
+
+const std::string two_blocks = grid + material + body("a", box(0, 0, 0.5, 0.5)) + body("b", box(0.55, 0, 1, 0.5)) + base;
+
+TEST(Preflight, BodiesThatTheGridWouldGlue) {
+  expect_words(complaint(two_blocks), {"gap of 0.05 m between \"a\" and \"b\"", "(0.525, ", "[contact.NAME]", "allow_glued"});
+  EXPECT_EQ(complaint(two_blocks, {"body.b.shape.box.min=[0.7,0.0]", "body.b.shape.box.max=[1.2,0.5]"}), "");  // two whole cells
+  EXPECT_EQ(complaint(two_blocks, {"contact.c={body=\"a\",other=\"b\",kind=\"frictionless\"}"}), "");
+  const auto w = build_world(case_of(two_blocks, {"model.allow_glued=true"}));
+  EXPECT_TRUE(warns(*w, "gap of 0.05 m"));
+  EXPECT_FALSE(warns(*w, "allow_glued"));
+}
+
+/// Plate with a slit from its left side, as wide as a cell; offset: of the slit, in cells.
+std::string slit(double width, double offset, bool solid) {
+  const double y0 = 0.4 + 0.1 * offset, y1 = y0 + 0.1 * width;
+  const std::string shape =
+      solid ? fmt::format("difference = [ {{ box = {{ min = [0, 0, 0], max = [1, 1, 0.3] }} }}, {{ box = {{ min = [-1, {}, -1], max = [0.5, {}, 1] }} }} ]", y0, y1)
+            : fmt::format("difference = [ {{ {} }}, {{ {} }} ]", box(0, 0, 1, 1), box(-1, y0, 0.5, y1));
+  return (solid ? space_grid : grid) + material + fmt::format("[body.a]\nmaterial = \"m\"\nshape.{}\n", shape) +
+         (solid ? "[boundary.base]\nwhere.box = { max = [9.0, 1e-6, 9.0] }\nux = 0.0\nuy = 0.0\nuz = 0.0\n" : base);
+}
+
+/// Parts are apart where as many whole cells lie between them as the functions have a degree.
+TEST(Preflight, SlitsThatTheGridDoesNotSee) {
+  for (const bool solid : {false, true})
+    for (const auto& [functions, degree] : {std::pair{"linear", 1}, {"cpgimp", 1}, {"cpdi", 1}, {"quadratic_bspline", 2}, {"b2gimp", 2}, {"cubic_bspline", 3}})
+      for (const double width : {0.4, 1.0, 2.0, 3.0})
+        for (const double offset : {0.0, 0.3, 0.5}) {
+          const double whole = offset == 0.0 ? std::floor(width) : std::floor(width + offset) - 1.0;
+          const std::string text = complaint(slit(width, offset, solid), {fmt::format("grid.shape_functions=\"{}\"", functions)});
+          EXPECT_EQ(text.empty(), whole >= degree) << functions << ' ' << width << ' ' << offset << ' ' << solid << ": " << text;
+        }
+}
+
+TEST(Preflight, NoGapWhereThereIsNone) {
+  EXPECT_EQ(complaint(grid + material + body("a", "polygon = [[0, 0], [1, 0], [1, 1], [0.65, 1], [0.5, 0.75], [0.35, 1], [0, 1]]") + base), "");  // 60 degrees
+  EXPECT_EQ(complaint(grid + material + body("a", "polygon = [[0, 0], [1, 0], [1, 0.45], [0.45, 0.45], [0.45, 1], [0, 1]]") + base), "");
+  EXPECT_EQ(complaint(grid + material + body("a", "difference = [ { " + box(0, 0, 1, 1) + " }, { disc = { centre = [0.5, 0.5], radius = 0.25 } } ]") +
+                      body("b", "disc = { centre = [0.5, 0.5], radius = 0.25 }") + base),
+            "");
+  EXPECT_EQ(complaint(grid + material + body("a", box(0, 0, 1, 0.5)) + body("b", box(0.2, 0.5, 0.7, 0.8)) + base), "");
+}
+
+TEST(Preflight, BodiesThatHangOnNodesBesideThem) {
+  const std::string text = grid + "[steps]\nanalysis = \"dynamic\"\n" + material.substr(0, material.find("[steps]")) + body("a", box(0.04, 0, 0.54, 0.5)) +
+                           "[boundary.w]\nwhere.box = { max = [1e-6, 9.0] }\nux = 0.0\nuy = 0.0\n";
+  expect_words(complaint(text), {"[boundary.w]", "0.04 m beside body \"a\"", "[boundary.w] body = \"a\"", "allow_glued"});
+  EXPECT_EQ(complaint(text, {"model.allow_glued=true"}), "");
+  EXPECT_EQ(complaint(text, {"boundary.w.body=\"a\"", "boundary.w.where.box.max=[0.041,9.0]"}), "");
+  EXPECT_EQ(complaint(text, {"body.a.shape.box.min=[0.0,0.0]", "body.a.shape.box.max=[0.5,0.5]"}), "");
+  EXPECT_EQ(complaint(text, {"body.a.shape.box.min=[0.1,0.0]", "body.a.shape.box.max=[0.6,0.5]"}), "");  // a cell away
+  EXPECT_EQ(complaint(text, {"boundary.w.where.box.max=[0.11,9.0]"}), "");                                  // nodes inside
+}
+
+// Places that are filled twice.
+
+TEST(Preflight, BodiesInOnePlace) {
+  for (const char* method : {"mpm", "fem"}) {
+    const std::string text = fmt::format("method = \"{}\"\n", method) + grid + material + body("a", box(0, 0, 1, 1)) + body("b", box(0, 0, 1, 1)) + base;
+    expect_words(complaint(text), {"bodies \"a\" and \"b\" overlap: 1 m2", "shape.difference"});
+    expect_words(complaint(text, {"body.b.shape.box.min=[0.5,0.5]", "body.b.shape.box.max=[1.5,1.5]"}), {"0.25 m2"});
+    EXPECT_EQ(complaint(text, {"body.b.shape.box.min=[0.0,1.0]", "body.b.shape.box.max=[1.0,2.0]"}), "");
+  }
+}
+
+TEST(Preflight, MaterialInsideRigidBodies) {
+  const std::string text = grid + material + body("a", box(0, 0, 1, 1)) + base +
+                           "[body.r]\nrigid = true\nshape." + box(0.2, 0.8, 0.8, 1.4) + "\n[contact.c]\nbody = \"a\"\nrigid = \"r\"\nkind = \"frictionless\"\n";
+  expect_words(complaint(text), {"[contact.c]", "0.12 m2 of body \"a\"", "rigid body \"r\"", "0.2 m deep"});
+  EXPECT_EQ(complaint(text, {"body.r.shape.box.min=[0.2,1.0]"}), "");
+  // Wished into its place, without a hole for it.
+  expect_words(complaint(text, {"body.r.shape.box.min=[0.3,0.3]", "body.r.shape.box.max=[0.7,0.7]"}), {"rigid body \"r\""});
+}
+
+// Supports.
+
+TEST(Preflight, BodiesThatNothingHolds) {
+  const std::string free_body = grid + material + body("a", box(0, 0, 1, 1));
+  for (const std::string method : {"mpm", "fem"}) {
+    const auto text = [&](const std::string& rest) { return complaint("method = \"" + method + "\"\n" + free_body + rest); };
+    expect_words(text(""), {"body \"a\" can move along x, y and turn: nothing holds it", "[boundary.NAME]", "analysis = \"dynamic\""});
+    expect_words(text("[boundary.t]\nwhere.box = { min = [-1.0, 0.9999] }\nuy = 0.001\n"), {"can move along x: nothing"});
+    expect_words(text("[pin.p]\nbody = \"a\"\nat = [0.25, 0.5]\nfix = \"xy\"\n"), {"can turn about (0.25, 0.5): nothing"});
+    EXPECT_EQ(text("[pin.p]\nbody = \"a\"\nat = [0.25, 0.5]\nfix = \"xy\"\n[pin.q]\nbody = \"a\"\nat = [0.75, 0.5]\nfix = \"y\"\n"), "");
+    expect_words(text(base + body("b", box(1.4, 0.5, 1.9, 0.9))), {"body \"b\" can move along x, y and turn"});
+    EXPECT_EQ(text(base + body("b", box(0, 1, 1, 1.5))), "");  // stands on the first
+    EXPECT_EQ(text("[boundary.l]\nbody = \"a\"\nwhere.box = { max = [1e-6, 9.0] }\nux = 0.0\nuy = 0.0\n"), "");
+    const std::string floor = "[body.f]\nrigid = true\nshape." + box(-0.1, -0.2, 1.1, 0.0) + "\n[contact.c]\nbody = \"a\"\nrigid = \"f\"\n";
+    expect_words(text(floor + "kind = \"frictionless\"\n"), {"can move along x: nothing"});
+    EXPECT_EQ(text(floor + "kind = \"friction\"\nfriction = 0.3\n"), "");
+  }
+  EXPECT_EQ(complaint(free_body, {"steps.analysis=dynamic"}), "");
+}
+
+TEST(Preflight, BodiesThatNothingHoldsInSpaceAndAroundAnAxis) {
+  const std::string cube = space_grid + material + "[body.a]\nmaterial = \"m\"\nshape.box = { min = [0, 0, 0], max = [1, 1, 1] }\n";
+  expect_words(complaint(cube), {"can move along x, y, z and turn"});
+  expect_words(complaint(cube + "[boundary.b]\nwhere.box = { max = [9.0, 9.0, 1e-6] }\nuz = 0.0\n"), {"can move along x, y and turn"});
+  EXPECT_EQ(complaint(cube + "[boundary.b]\nwhere.box = { max = [9.0, 9.0, 1e-6] }\nux = 0.0\nuy = 0.0\nuz = 0.0\n"), "");
+  const std::string ring = "model.plane = \"axisymmetric\"\ngrid = { origin = [0.0, 0.0], cell_size = 0.1, cells = [12, 12] }\n" + material + body("a", box(0.5, 0, 1, 1));
+  expect_words(complaint(ring), {"can move along y"});
+  EXPECT_EQ(complaint(ring + "[boundary.b]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"), "");
+}
+
+TEST(Preflight, SplinesWithTooFewPoints) {
+  const std::string text = "grid = { origin = [0, 0], cell_size = 1.0, cells = [1, 1], shape_functions = \"cubic_bspline\" }\n" + material +
+                           body("a", box(0, 0, 1, 1)) + base;
+  const std::string says = complaint(text);
+  expect_words(says, {"body \"a\" has 4 points", "[body.a] points.per_direction = "});
+  const std::string wanted = says.substr(says.find("per_direction = ") + 16, 1);
+  EXPECT_EQ(complaint(text, {"body.a.points.per_direction=" + wanted}), "");
+}
+
+/// Rows of such cells: a place in the middle of one is nearer to points than a cell is wide.
+TEST(Preflight, FlatCellsHaveProbesToo) {
+  EXPECT_EQ(complaint("grid = { origin = [-25.0, -0.25], cell_size = [25.0, 0.25], cells = [6, 6] }\n" + material + body("a", box(0, 0, 100, 1)) +
+                      base.substr(0, base.find("max")) + "max = [900.0, 1e-6] }\nux = 0.0\nuy = 0.0\n[probe.p]\nat = [50.0, 0.5]\nquantity = \"stress_yy\"\n"),
+            "");
+}
+
+}  // namespace
+}  // namespace berm::verify
