@@ -7,8 +7,27 @@
 
 namespace berm {
 
-std::string advice_on_energy(const Case& c, bool at_once) {
-  if (at_once && !c.is_dynamic())
+namespace {
+
+bool loads_from_the_start(const Case& c) {
+  const auto acts = [](const TimeFunction& f) { return !f.is_number() && f.at(0.0) != 0.0; };
+  return std::any_of(c.gravity.component.begin(), c.gravity.component.end(), acts) ||
+         std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) {
+           return acts(p.value) || (p.traction && std::any_of(p.traction->component.begin(), p.traction->component.end(), acts));
+         });
+}
+
+}  // namespace
+
+std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
+  constexpr double at_once = 0.3, jump = 0.5;
+  if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic()) {
+    const bool scales = c.stages.size() == 1 && !c.pressures.empty() && c.control.kind != Control::Kind::gauge;
+    return fmt::format("most of it went in the step to time {:.6g}, where the structure snaps back: what it lets go of is in no equation of "
+                       "equilibrium. Follow the motion with analysis = \"dynamic\"{}",
+                       loss.time, scales ? ", or drive the run with [control] kind = \"gauge\"" : "");
+  }
+  if (loss.first > at_once && !c.is_dynamic() && loads_from_the_start(c))
     return "loads that are there from the start do work that nothing stores: let them grow with the time t, as in \"1e5*t\"";
   std::string advice = "take smaller steps, or smaller cells";
   if (c.method != Method::mpm || !moves_through_grid(c) || c.shape_functions != ShapeFunctions::linear) return advice;

@@ -7,8 +7,13 @@
 
 namespace berm {
 
-/// Where the balance of energy is off. `at_once`: by a third already in the first step.
-std::string advice_on_energy(const Case& c, bool at_once);
+/// When the balance of energy went off.
+struct EnergyLoss {
+  double first = 0.0;    ///< error of the first step [-]
+  double largest = 0.0;  ///< share of the error that came with one step [-]
+  double time = 0.0;     ///< of that step [s]
+};
+std::string advice_on_energy(const Case& c, const EnergyLoss& loss);
 
 /// Where no equilibrium was found with the smallest step. `slips`: a contact is known to let a body go.
 std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips = false);

@@ -12,6 +12,7 @@
 #include "io/summary.hpp"
 #include "io/vtu.hpp"
 #include "sim/implicit_step.hpp"
+#include "sim/advice.hpp"
 #include "sim/local_fit.hpp"
 #include "sim/watch.hpp"
 
@@ -54,7 +55,7 @@ public:
   int steps() const { return steps_; }
   double load() const { return row_load_; }
   std::vector<std::pair<std::string, double>> metrics() const;
-  double first_energy_error() const;  ///< of the first step; 0 before it
+  EnergyLoss energy_loss() const;
 
 private:
   /// Positions in the standard columns of the history (io/history.cpp).

@@ -79,11 +79,22 @@ double Recorder::energy_error(double stored, double dissipated) const {
   return size == 0.0 ? 0.0 : std::abs(missing) / size;
 }
 
-double Recorder::first_energy_error() const {
+EnergyLoss Recorder::energy_loss() const {
   constexpr double sizeable = 0.01;  // of the largest energy: less says nothing
-  if (rows_.size() < 2 * std::size_t(n_columns_)) return 0.0;
-  const double* row = rows_.data() + n_columns_;
-  return std::abs(row[work_column]) < sizeable * largest_energy_ ? 0.0 : row[energy_error_column];
+  EnergyLoss loss;
+  if (rows_.size() < 2 * std::size_t(n_columns_)) return loss;
+  const double* first = rows_.data() + n_columns_;
+  if (std::abs(first[work_column]) >= sizeable * largest_energy_) loss.first = first[energy_error_column];
+  double before = 0.0, scale = 0.0, jump = 0.0;
+  for (std::size_t k = 0; k < rows_.size(); k += n_columns_) {
+    const double* row = rows_.data() + k;
+    scale = std::max({scale, std::abs(row[work_column]), row[work_column + 1] + row[work_column + 2]});
+    const double missing = row[energy_error_column] * scale;
+    if (missing - before > jump) jump = missing - before, loss.time = row[1];
+    before = missing;
+  }
+  loss.largest = before > 0.0 ? jump / before : 0.0;
+  return loss;
 }
 
 double Recorder::quality_at(double load, double Quality::*value) const {
@@ -140,6 +151,7 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
     list.emplace_back("extrapolation_error [-]", error);
   if (watched_.penetration > 0.0) list.emplace_back("penetration [m]", watched_.penetration);
   if (watched_.swelling > 1.0 + 1e-9) list.emplace_back("swelling [-]", watched_.swelling);
+  if (watched_.columns > 0.0) list.emplace_back("crack_columns [-]", watched_.columns);
   if (watched_.jumps > 0.0) list.emplace_back("reaction_jump [-]", watched_.jump);
   if (gap_scatter_ > 0.0) list.emplace_back("contact_gap_scatter [m]", gap_scatter_);
   return list;

@@ -264,13 +264,13 @@ private:
   }
 
   void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
-    constexpr double balanced = 0.05, jump = 0.3, coarse_gap = 0.1;
+    constexpr double balanced = 0.05, coarse_gap = 0.1;
     double tolerance = 0.0;
     for (const Stage& stage : world_->spec.stages) tolerance = std::max(tolerance, stage.steps.error_tolerance);
     for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
         log_.warning(fmt::format("the energy balance is off by {:.2g} % of the largest energy: {}", 100.0 * value,
-                                 advice_on_energy(world_->spec, recorder_.first_energy_error() > jump)));
+                                 advice_on_energy(world_->spec, recorder_.energy_loss())));
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
@@ -25,8 +27,8 @@ bool dilates(const AnyLaw& law) {
 }  // namespace
 
 void Watched::restore(const std::vector<double>& row) {
-  if (row.size() != 4) return;  // of an older checkpoint
-  penetration = row[0], swelling = row[1], jump = row[2], jumps = row[3];
+  if (row.size() != this->row().size()) return;  // of an older checkpoint
+  penetration = row[0], swelling = row[1], jump = row[2], jumps = row[3], columns = row[4];
 }
 
 Watch::Watch(const World& world, Say warn)
@@ -83,12 +85,14 @@ void Watch::look(const ImplicitStep& step, int n_steps) {
   if (n_steps % steps_between_looks == 0) {
     look_for_overlap();
     look_for_swelling();
+    look_for_smeared_cracks();
   }
 }
 
 void Watch::look_last() {
   look_for_overlap();
   look_for_swelling();
+  look_for_smeared_cracks();
   if (seen.jumps > 0.0)
     warn_(fmt::format("reactions jumped by more than a tenth in {:.0f} step{} of a smooth motion{}: look at history.csv there; smaller steps "
                       "show whether the jump is of the model",
@@ -165,6 +169,69 @@ void Watch::look_for_swelling() {
     warn_(fmt::format("\"{}\" has swollen to {:.3g} times its volume at time {:.6g}, a point to {:.3g} times: dilatancy does not end by itself{}",
                       world_.spec.bodies[slice.body].name, now / before, world_.time, most, advice_on_dilatancy(slice.law)));
   }
+}
+
+/// A crack of a law with a crack band is a column of cells. Where a uniform zone softens, nothing says which: many do side by
+/// side and each takes up the energy of a crack. Energies of points in tension in boxes of a cell, summed across the crack.
+void Watch::look_for_smeared_cracks() {
+  if (!any_law(world_.spec, is_damage)) return;
+  constexpr int reach = 5;
+  constexpr double told = 3.0, little = 0.05;  // of the fracture energy
+  struct Box {
+    double energy = 0.0;
+    Vec3 across = Vec3::Zero();
+  };
+  const Discretisation& d = *world_.discretisation;
+  const MaterialState& m = d.material;
+  const double h = d.cell_size();
+  const std::vector<double> released = m.released_energy_fraction();
+  const std::vector<Vec3> X = d.point_origins();
+  std::vector<std::array<double, 5>> mine;  // box, energy, axis across
+  std::map<std::array<long, 3>, Box> boxes;
+  for (int p = 0; p < m.size(); ++p) {
+    if (released[p] < little) continue;
+    const Voigt& e = m.strain[p];
+    Mat3 strain;
+    strain << e[XX], 0.5 * e[XY], 0.5 * e[ZX], 0.5 * e[XY], e[YY], 0.5 * e[YZ], 0.5 * e[ZX], 0.5 * e[YZ], e[ZZ];
+    const Eigen::SelfAdjointEigenSolver<Mat3> principal(strain);
+    if (principal.eigenvalues()[2] < -principal.eigenvalues()[0]) continue;  // crushed
+    Box& box = boxes[{std::lround(std::floor(X[p].x() / h)), std::lround(std::floor(X[p].y() / h)), std::lround(std::floor(X[p].z() / h))}];
+    box.energy += released[p] * m.volume[p];
+    box.across += released[p] * m.volume[p] * principal.eigenvectors().col(2).cwiseAbs();
+  }
+  for (const auto& [at, box] : boxes) {
+    int axis = 0;
+    box.across.maxCoeff(&axis);
+    mine.push_back({double(at[0]), double(at[1]), double(at[2]), box.energy, double(axis)});
+  }
+  std::map<std::array<long, 3>, std::pair<double, int>> all;
+  for (const auto& [x, y, z, energy, axis] : world_.comm.all_gather(mine)) {
+    auto& box = all[{std::lround(x), std::lround(y), std::lround(z)}];
+    if (energy > 0.5 * box.first) box.second = static_cast<int>(axis);
+    box.first += energy;
+  }
+  double sum = 0.0, columns = 0.0, widest = 0.0;
+  Vec3 where = Vec3::Zero();
+  for (const auto& [at, box] : all) {
+    double across = 0.0, largest = 0.0;
+    for (int k = -reach; k <= reach; ++k) {
+      std::array<long, 3> beside = at;
+      beside[box.second] += k;
+      const auto found = all.find(beside);
+      if (found == all.end()) continue;
+      across += found->second.first, largest = std::max(largest, found->second.first);
+    }
+    sum += box.first, columns += box.first * across / largest;
+    if (across / largest > widest) widest = across / largest, where = h * Vec3(at[0] + 0.5, at[1] + 0.5, world_.spec.dimension() == 3 ? at[2] + 0.5 : 0.0);
+  }
+  if (sum <= 0.0) return;
+  seen.columns = std::max(seen.columns, columns / sum);
+  if (columns <= told * sum || smeared_told_) return;
+  smeared_told_ = true;
+  warn_(fmt::format("cracks are smeared over {:.2g} cells side by side in the mean at time {:.6g}, most near {}: a zone of uniform stress softens "
+                    "as a whole and takes up the energy of as many cracks. Say where the crack begins: a notch, or a body one cell wide of a "
+                    "material with a tensile strength a few per cent lower",
+                    columns / sum, world_.time, place_text(where)));
 }
 
 /// Where rigid bodies move evenly in equilibrium and nothing cracks, a reaction changes from step to step as it did.

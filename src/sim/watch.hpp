@@ -17,7 +17,8 @@ struct Watched {
   double swelling = 1.0;     ///< largest volume of a body of soil over that at the start [-]
   double jump = 0.0;         ///< largest change of a reaction in a step of a smooth motion over the largest reaction [-]
   double jumps = 0.0;        ///< steps with one above a tenth
-  std::vector<double> row() const { return {penetration, swelling, jump, jumps}; }
+  double columns = 0.0;      ///< of cells side by side over which a crack is smeared in the mean [-]
+  std::vector<double> row() const { return {penetration, swelling, jump, jumps, columns}; }
   void restore(const std::vector<double>& row);
 };
 
@@ -51,13 +52,14 @@ private:
   void look_for_penetration();
   void look_for_overlap();
   void look_for_swelling();
+  void look_for_smeared_cracks();
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
   std::string place_text(const Vec3& x) const;
 
   const World& world_;
   Say warn_;
   std::vector<Obstacle> obstacles_;
-  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false;
+  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false, smeared_told_ = false;
   // of the last steps
   std::vector<Vec3> reaction_, change_, rate_;  ///< by case body
   std::vector<double> largest_;                 ///< reaction so far [N]

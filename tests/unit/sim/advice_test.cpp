@@ -36,20 +36,30 @@ TEST(Advice, NamesOnlyWhatTheCaseAccepts) {
 TEST(Advice, SendsNobodyToTotalLagrangianWhoseBodiesMeet) {
   Case c = a_case(LinearElastic{});
   c.shape_functions = ShapeFunctions::cpgimp;
-  EXPECT_FALSE(says(advice_on_energy(c, false), "total_lagrangian"));
+  EXPECT_FALSE(says(advice_on_energy(c, {}), "total_lagrangian"));
   c.shape_functions = ShapeFunctions::linear;
-  EXPECT_TRUE(says(advice_on_energy(c, false), "linear"));
+  EXPECT_TRUE(says(advice_on_energy(c, {}), "linear"));
   c.volumetric = Volumetric::mixed;
-  EXPECT_TRUE(says(advice_on_energy(c, false), "total_lagrangian"));
+  EXPECT_TRUE(says(advice_on_energy(c, {}), "total_lagrangian"));
   c.contacts.emplace_back().other = "b";
-  EXPECT_FALSE(says(advice_on_energy(c, false), "total_lagrangian"));
+  EXPECT_FALSE(says(advice_on_energy(c, {}), "total_lagrangian"));
 }
 
 TEST(Advice, LoadsThatAreThereFromTheStart) {
   Case c = a_case(LinearElastic{});
-  EXPECT_TRUE(says(advice_on_energy(c, true), "grow"));
+  EXPECT_FALSE(says(advice_on_energy(c, {.first = 0.5}), "grow"));  // there are none
+  c.pressures.emplace_back().value = TimeFunction("1e5 + 0*t");
+  EXPECT_TRUE(says(advice_on_energy(c, {.first = 0.5}), "grow"));
   c.stages[0].steps.analysis = Analysis::dynamic;  // where a sudden load is one
-  EXPECT_FALSE(says(advice_on_energy(c, true), "grow"));
+  EXPECT_FALSE(says(advice_on_energy(c, {.first = 0.5}), "grow"));
+}
+
+/// Brittle structures that let go in one step are no matter of its size.
+TEST(Advice, SnapBackThatWasJumpedOver) {
+  const Case concrete = a_case(Rankine{}), steel = a_case(LinearElastic{});
+  EXPECT_TRUE(says(advice_on_energy(concrete, {.largest = 0.9, .time = 0.3}), "step to time 0.3"));
+  EXPECT_FALSE(says(advice_on_energy(concrete, {.largest = 0.1, .time = 0.3}), "snaps back"));
+  EXPECT_FALSE(says(advice_on_energy(steel, {.largest = 0.9, .time = 0.3}), "snaps back"));
 }
 
 }  // namespace
