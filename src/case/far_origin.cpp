@@ -1,6 +1,8 @@
 #include "case/far_origin.hpp"
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 namespace berm {
@@ -10,6 +12,31 @@ namespace {
 constexpr double far = 1e4;
 
 Vec3 in_space(const Vec2& x) { return {x.x(), x.y(), 0.0}; }
+
+/// Places less the corner, as the decimals that the user wrote: what the last binary digits of large numbers add would cut
+/// slivers from cells.
+class Shift {
+public:
+  explicit Shift(const Vec3& corner) : corner_(corner) {
+    const double digits = std::floor(-std::log10(4.0 * corner.cwiseAbs().maxCoeff() * std::numeric_limits<double>::epsilon()));
+    scale_ = std::pow(10.0, std::max(0.0, digits));
+  }
+  void operator()(Vec3& x) const {
+    for (int i = 0; i < 3; ++i) move(x[i], i);
+  }
+  void operator()(Vec2& x) const {
+    for (int i = 0; i < 2; ++i) move(x[i], i);
+  }
+  /// Ends of a box may be infinitely far away.
+  void move(double& x, int axis) const {
+    if (corner_[axis] != 0.0) x = std::isfinite(x) ? std::round((x - corner_[axis]) * scale_) / scale_ : x;
+  }
+  const Vec3& corner() const { return corner_; }
+
+private:
+  Vec3 corner_;
+  double scale_;
+};
 
 /// Calls f with every place of a shape.
 template <class F>
@@ -22,24 +49,24 @@ void for_each_place(PlaneShape& shape, F f) {
     for (PlaneShape& part : parts->parts) for_each_place(part, f);
 }
 
-void move(SolidShape& shape, const Vec3& by) {
-  if (auto* box = std::get_if<SolidBox>(&shape.form)) box->min += by, box->max += by;
-  if (auto* cylinder = std::get_if<Cylinder>(&shape.form)) cylinder->from += by, cylinder->to += by;
-  if (auto* sphere = std::get_if<Sphere>(&shape.form)) sphere->centre += by;
+void move(SolidShape& shape, const Shift& shift) {
+  if (auto* box = std::get_if<SolidBox>(&shape.form)) shift(box->min), shift(box->max);
+  if (auto* cylinder = std::get_if<Cylinder>(&shape.form)) shift(cylinder->from), shift(cylinder->to);
+  if (auto* sphere = std::get_if<Sphere>(&shape.form)) shift(sphere->centre);
   if (auto* extrusion = std::get_if<Extrusion>(&shape.form)) {
-    for (Vec2& x : extrusion->vertices) x += by.head<2>();
-    extrusion->from += by.z(), extrusion->to += by.z();
+    for (Vec2& x : extrusion->vertices) shift(x);
+    shift.move(extrusion->from, 2), shift.move(extrusion->to, 2);
   }
-  if (auto* file = std::get_if<SurfaceFile>(&shape.form)) file->moved += by;
+  if (auto* file = std::get_if<SurfaceFile>(&shape.form)) file->moved -= shift.corner();
   if (auto* parts = std::get_if<SolidCombination>(&shape.form))
-    for (SolidShape& part : parts->parts) move(part, by);
+    for (SolidShape& part : parts->parts) move(part, shift);
 }
 
-void move(Where& where, const Vec3& by) {
-  if (where.min) *where.min += by;
-  if (where.max) *where.max += by;
-  if (where.sector) where.sector->centre += by.head<2>();
-  if (where.beyond) where.beyond->at += by;
+void move(Where& where, const Shift& shift) {
+  if (where.min) shift(*where.min);
+  if (where.max) shift(*where.max);
+  if (where.sector) shift(where.sector->centre);
+  if (where.beyond) shift(where.beyond->at);
 }
 
 /// A corner of the model and the size of its cells; {0, infinity} if the case does not say.
@@ -70,20 +97,24 @@ void count_from_the_grid(Case& c) {
   if (c.space == Space::axisymmetric) corner.x() = 0.0;  // the radius counts from the axis
   if (corner.cwiseAbs().maxCoeff() <= far * size) return;
   c.origin = corner;
-  const Vec3 by = -corner;
-  if (auto* grid = std::get_if<StructuredGrid>(&c.grid))
-    grid->origin += Eigen::AngleAxisd(-grid->angle, Vec3::UnitZ()) * by;
+  const Shift shift(corner);
+  if (auto* grid = std::get_if<StructuredGrid>(&c.grid)) {
+    const Eigen::AngleAxisd turn(grid->angle, Vec3::UnitZ());
+    Vec3 place = turn * grid->origin;
+    shift(place);
+    grid->origin = turn.inverse() * place;
+  }
   for (Body& body : c.bodies) {
     if (!body.shape) continue;
-    if (auto* shape = std::get_if<PlaneShape>(&*body.shape)) for_each_place(*shape, [&](Vec2& x) { x += by.head<2>(); });
-    if (auto* shape = std::get_if<SolidShape>(&*body.shape)) move(*shape, by);
+    if (auto* shape = std::get_if<PlaneShape>(&*body.shape)) for_each_place(*shape, shift);
+    if (auto* shape = std::get_if<SolidShape>(&*body.shape)) move(*shape, shift);
   }
-  for (NodeBoundary& b : c.boundaries) move(b.where, by);
-  for (Pressure& p : c.pressures) move(p.where, by);
-  for (Absorbing& a : c.absorbing) move(a.where, by);
-  for (Pin& pin : c.pins) pin.at += by;
-  for (Gauge& g : c.output.gauges) g.from += by, g.to += by;
-  for (Probe& p : c.output.probes) p.at += by;
+  for (NodeBoundary& b : c.boundaries) move(b.where, shift);
+  for (Pressure& p : c.pressures) move(p.where, shift);
+  for (Absorbing& a : c.absorbing) move(a.where, shift);
+  for (Pin& pin : c.pins) shift(pin.at);
+  for (Gauge& g : c.output.gauges) shift(g.from), shift(g.to);
+  for (Probe& p : c.output.probes) shift(p.at);
   const auto count_from = [&](VectorFunction& f) {
     for (TimeFunction& component : f.component) component.set_origin(corner);
   };

@@ -97,6 +97,15 @@ bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
          (way - apart * s.normal).norm() <= s.size + t.size;
 }
 
+/// Whether some of the pieces may face each other: not where all normals lie in a cone, as on a face or an edge of a body.
+bool may_face(const std::vector<int>& pieces, const std::vector<SurfacePoint>& surface) {
+  constexpr double cone = 0.61;  // cosine of half of the 106 degrees that normals of facing pieces are apart at least
+  Vec3 mean = Vec3::Zero();
+  for (const int k : pieces) mean += surface[k].normal;
+  const double bound = cone * mean.norm();
+  return std::any_of(pieces.begin(), pieces.end(), [&](int k) { return surface[k].normal.dot(mean) <= bound; });
+}
+
 std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>& layers, const std::vector<SurfacePoint>& surface,
                             Groups& groups) {
   std::unordered_map<int, std::vector<int>> pieces_of_node;
@@ -105,6 +114,7 @@ std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>
     mpm.locate(a);
     for (const int node : mpm.nodes_of(a.cell)) pieces_of_node[node].push_back(static_cast<int>(k));
   }
+  std::erase_if(pieces_of_node, [&](const auto& entry) { return !may_face(entry.second, surface); });
   const double h = mpm.cell_size();
   std::vector<char> covered(surface.size(), 0);
   for (const auto& [node, pieces] : pieces_of_node)
@@ -306,7 +316,7 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
 }
 
 void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
-  constexpr double tip = 2.0;  // cells: at the end of a notch its sides meet anyway
+  const double tip = (mpm.degree() + 2) * mpm.cell_size();  // at the end of a notch its sides meet anyway
   Groups groups(surface.size());
   const std::vector<Glue> glue = find_glue(mpm, w.layers, surface, groups);
   std::map<int, Gap> gaps;
@@ -317,7 +327,7 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
   }
   for (const auto& [root, gap] : gaps) {
     const bool one_body = surface[gap.piece].body == surface[gap.other].body;
-    if (one_body && (gap.high - gap.low).norm() <= tip * mpm.cell_size()) continue;
+    if (one_body && (gap.high - gap.low).norm() <= tip) continue;
     const std::string text = gap_text(w.spec, mpm, gap, surface);
     if (!w.spec.allow_glued) throw InputError(text);
     w.spec.warnings.push_back(text.substr(0, text.find(". Let ")));
@@ -340,7 +350,6 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
     for (const Slice& slice : mpm.material.slices) {
       bool reached = false, touches = false;
       double nearest = infinity;
-      Vec3 at = Vec3::Zero();
       for (int i = 0; i < mpm.halo.n_owned; ++i) reached |= held[b][i] && share[slice.body][i] > 0.0;
       for (int block = 0; block < mpm.n_patches() && !touches; ++block) {
         Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  // of the held nodes of a cell
@@ -349,9 +358,9 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
         if (low.x() > high.x()) continue;
         const auto look = [&](const Vec3& x, double half) {
           const Vec3 y = own * x;
-          const double distance = (low - y).cwiseMax(y - high).head(mpm.dimension()).maxCoeff() - half;
-          if (distance < nearest) nearest = distance, at = x;
-          touches |= distance <= reach;
+          const double distance = (low - y).cwiseMax(y - high).head(mpm.dimension()).maxCoeff();
+          nearest = std::min(nearest, distance);
+          touches |= distance - half <= reach;
         };
         for (std::size_t k = 0; k < surface.size() && !touches; ++k)
           if (surface[k].body == slice.body) look(surface[k].X, 0.5 * surface[k].size);

@@ -459,7 +459,7 @@ std::string describe(const World& w) {
     line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
                      d.most_loaded()));
   if (!w.spec.origin.isZero(0.0))
-    line(fmt::format("  coordinates       in messages count from ({:.9g}, {:.9g}, {:.9g}), in files from the origin", w.spec.origin.x(),
+    line(fmt::format("  coordinates       in messages count from ({:.12g}, {:.12g}, {:.12g}), in files from the origin", w.spec.origin.x(),
                      w.spec.origin.y(), w.spec.origin.z()));
   line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0 + grid_bytes(w.spec)) / 1e6 + 60.0));
   for (const Stage& s : w.spec.stages)
