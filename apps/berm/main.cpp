@@ -13,6 +13,7 @@
 #include "comm/comm.hpp"
 #include "la/newton.hpp"
 #include "mpiexec.hpp"
+#include "sim/preflight.hpp"
 #include "sim/run.hpp"
 #include "sim/world.hpp"
 
@@ -121,6 +122,7 @@ int main(int argc, char** argv) {
       if (ranks_of_launcher() > 1) berm::start_petsc();
       const berm::Comm comm = berm::Comm::world();
       auto world = berm::build_world(berm::read_case(file, overrides), comm);
+      berm::refuse_free_bodies(*world);
       const std::string text = berm::describe(*world);
       if (comm.is_root()) fmt::print("{}", text);
     });

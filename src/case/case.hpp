@@ -297,7 +297,7 @@ struct Case {
   std::vector<Pressure> pressures;
   std::vector<Absorbing> absorbing;
   std::vector<Contact> contacts;
-  Vec3 origin = Vec3::Zero();  ///< of all places, in the user's coordinates [m]   [case/far_origin.hpp]
+  Vec3 origin = Vec3::Zero();  ///< of all places, in the user's coordinates [m]   [sim/far_origin.hpp]
   Control control;
   Steps steps;        ///< of a run with a single stage
   Solver solver;      ///< what stages begin with

@@ -288,6 +288,16 @@ void refuse_few_points(const World& w, const MpmDiscretisation& mpm, const std::
   }
 }
 
+/// Calls work with the middle and the ends of a piece.
+template <class Work>
+void look_at_piece(const SurfacePoint& s, Work work) {
+  work(s.X);
+  for (int k = 0; k < s.n_corners; ++k) work(s.corner[k]);
+  if (s.n_corners > 0) return;
+  const Vec3 half = 0.5 * s.size * Vec3(-s.normal.y(), s.normal.x(), 0.0);
+  work(s.X + half), work(s.X - half);
+}
+
 }  // namespace
 
 void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
@@ -356,15 +366,15 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
         for (const int node : mpm.blocks[block])
           if (held[b][node]) low = low.cwiseMin(own * mpm.nodes[node]), high = high.cwiseMax(own * mpm.nodes[node]);
         if (low.x() > high.x()) continue;
-        const auto look = [&](const Vec3& x, double half) {
+        const auto look = [&](const Vec3& x) {
           const Vec3 y = own * x;
           const double distance = (low - y).cwiseMax(y - high).head(mpm.dimension()).maxCoeff();
           nearest = std::min(nearest, distance);
-          touches |= distance - half <= reach;
+          touches |= distance <= reach;
         };
         for (std::size_t k = 0; k < surface.size() && !touches; ++k)
-          if (surface[k].body == slice.body) look(surface[k].X, 0.5 * surface[k].size);
-        for (int p = slice.begin; p < slice.end && !touches; ++p) look(points[p], 0.0);
+          if (surface[k].body == slice.body) look_at_piece(surface[k], look);
+        for (int p = slice.begin; p < slice.end && !touches; ++p) look(points[p]);
       }
       if (!w.comm.any(reached) || w.comm.any(touches)) continue;
       nearest = w.comm.min(nearest);

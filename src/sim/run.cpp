@@ -11,6 +11,7 @@
 #include "io/log.hpp"
 #include "sim/advice.hpp"
 #include "sim/checkpoint.hpp"
+#include "sim/preflight.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
 #include "sim/watch.hpp"
@@ -54,6 +55,7 @@ public:
         watch_(*world_, [this](const std::string& text) { log_.warning(text); }),
         progress_(log_, start_),
         saved_(start_) {
+    refuse_free_bodies(*world_);
     log_.info(describe(*world_));
     comm_.agree([&] {
       if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
-#include "case/far_origin.hpp"
+#include "sim/far_origin.hpp"
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
 #include "law/kinds.hpp"
@@ -420,7 +420,6 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   w->discretisation->start_motion([&](int body, const Vec3& X) { return w->spec.bodies[body].velocity.at(0.0, X); });
   refuse_contacts_out_of_sight(*w);
   if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w->discretisation.get())) refuse_hanging_bodies(*w, *mpm, built.surface);
-  refuse_free_bodies(*w);
   collect_warnings(*w);
   return w;
 }

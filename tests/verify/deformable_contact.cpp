@@ -168,7 +168,11 @@ TEST(DeformableContact, BlockIsDraggedByItsFriction) {
 /// Nothing else tells where contact does not see that bodies are in one another.
 TEST(DeformableContact, BodiesInOneAnotherAreSeen) {
   const auto overlap = [](double distance) {
-    const Model m(two_blocks(distance, 0.25, "kinematics = \"small\"", moved_top(distance, "0"), "[steps]\ncount = 1\n"));
+    // The upper block is let into the lower one by a contact that hardly resists.
+    const std::string motion = fmt::format("{}*t", std::min(distance, 0.0));
+    Model m(two_blocks(std::max(distance, 0.0), 0.25, "kinematics = \"small\"", moved_top(std::max(distance, 0.0), motion), "[steps]\ncount = 1\n"),
+            {"contact.c.stiffness=1e-9"});
+    EXPECT_TRUE(m.run());
     return dynamic_cast<const MpmDiscretisation&>(*m.world->discretisation).overlap();
   };
   EXPECT_FALSE(overlap(0.15));
@@ -177,7 +181,7 @@ TEST(DeformableContact, BodiesInOneAnotherAreSeen) {
   const auto found = overlap(-0.5);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->body_a + found->body_b, 1);
-  EXPECT_NEAR(found->fill, 2.0, 1e-9);
+  EXPECT_NEAR(found->fill, 2.0, 1e-3);
   EXPECT_GT(found->where.y(), 0.5);
   EXPECT_LT(found->where.y(), 1.0);
 }

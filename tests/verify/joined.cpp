@@ -164,6 +164,7 @@ TEST(Joined, OnlyWhereBodiesTouch) {
     return Model(fmt::format(R"toml(
 [model]
 plane = "stress"
+allow_glued = true
 [grid]
 origin = [0.0, 0.0]
 cell_size = 0.1

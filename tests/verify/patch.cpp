@@ -85,6 +85,7 @@ Errors patch(const std::string& method, const std::string& parts, bool cut = fal
   const std::set<int> held = cut ? outer_nodes(mesh, model.world->discretisation->cell_size()) : boundary_nodes(mesh);
   Case c = case_of(text);
   c.boundaries.clear();
+  c.allow_glued = cut;  // nodes beside the body are to hold it here
   for (int node : held) prescribe(c, mesh.nodes[node]);
 
   Model loaded(c);

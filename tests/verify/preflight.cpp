@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "driver.hpp"
+#include "sim/preflight.hpp"
 
 namespace berm::verify {
 namespace {
@@ -33,7 +34,7 @@ std::string box(double x0, double y0, double x1, double y1) {
 /// What building the case says; "" if it can be built.
 std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
   try {
-    build_world(case_of(text, overrides));
+    refuse_free_bodies(*build_world(case_of(text, overrides)));
     return "";
   } catch (const InputError& error) {
     return error.what();

@@ -116,6 +116,7 @@ Errors patch(const std::string& method, const std::string& kinematics, const std
     const Model model(c);
     const Mesh& mesh = model.world->discretisation->mesh();
     c.boundaries.clear();
+    c.allow_glued = cut > 0.0;  // nodes beside the body are to hold it here
     for (int node : cut > 0.0 ? outer_nodes(mesh, cut) : boundary_nodes(mesh))
       c.boundaries.push_back(held_node(node, mesh.nodes[node], G * mesh.nodes[node]));
   }

@@ -1,4 +1,4 @@
-#include "case/far_origin.hpp"
+#include "sim/far_origin.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
