@@ -9,6 +9,9 @@
 
 namespace berm {
 
+/// A displacement at t = 0 that is no jump but rounding [m].
+inline constexpr double no_jump = 1e-12;
+
 /// A number, reached linearly from 0 at the start and then held; or an expression of t [s] and x, y, z [m], whose value
 /// is in SI units: "9.81*min(t/0.5, 1)". The language of expressions is muParser's: + - * / ^, comparisons,
 /// a ? b : c, sin, cos, exp, sqrt, abs, min, max, ..., pi.

@@ -370,7 +370,7 @@ private:
     if (c_.stages.front().steps.analysis != Analysis::dynamic) return;
     const auto look = [](const Scope& scope, const std::string& key, const TimeFunction& f) {
       if (f.is_number() || f.depends_on_place()) return;
-      if (const double start = f.at(0.0); start != 0.0)
+      if (const double start = f.at(0.0); std::abs(start) > no_jump)
         scope.explain(key, fmt::format("\"{0}\" is {1:.4g} at t = 0: where the first stage is dynamic a displacement begins with 0; take "
                                        "\"{0} - ({1:.17g})\"",
                                        f.text(), start));

@@ -18,12 +18,6 @@ namespace berm {
 
 namespace {
 
-TriangleSurface read_moved(const SurfaceFile& file) {
-  TriangleSurface surface = read_stl(file.path);
-  for (Vec3& x : surface.vertices) x += file.moved;
-  return surface;
-}
-
 namespace occ = gmsh::model::occ;
 using Parts = gmsh::vectorpair;
 
@@ -502,7 +496,7 @@ SolidMesh current_tetrahedra(int order, const std::string& subject) {
 
 TriangleSurface triangulate(const SolidShape& shape, double size) {
   check_size(size, 0.0, "triangles");
-  if (const SurfaceFile* file = std::get_if<SurfaceFile>(&shape.form)) return read_moved(*file);
+  if (const SurfaceFile* file = std::get_if<SurfaceFile>(&shape.form)) return read_stl(*file);
   const std::string subject = fmt::format("surface of triangles of {:g} m", size);
   TriangleSurface surface;
   with_gmsh(subject, [&] {
@@ -525,7 +519,7 @@ SolidMesh mesh_solid(const SolidShape& shape, double size, int order) {
   if (order != 1 && order != 2) throw InputError(fmt::format("solid: order {} (1 and 2 are possible)", order));
   const std::string subject = fmt::format("solid mesh of size {:g} m", size);
   const SurfaceFile* file = std::get_if<SurfaceFile>(&shape.form);
-  const TriangleSurface surface = file ? read_moved(*file) : TriangleSurface{};
+  const TriangleSurface surface = file ? read_stl(*file) : TriangleSurface{};
   SolidMesh mesh;
   with_gmsh(subject, [&] {
     constexpr int chords = 12;  // coarser than this no circle is

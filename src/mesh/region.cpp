@@ -11,7 +11,7 @@ Region::Region(const Shape& shape, double size) {
   }
   const SolidShape& solid = std::get<SolidShape>(shape);
   const auto* file = std::get_if<SurfaceFile>(&solid.form);
-  solid_.emplace(file ? read_stl(file->path) : triangulate(solid, size));
+  solid_.emplace(file ? read_stl(*file) : triangulate(solid, size));
 }
 
 double Region::measure() const { return plane_ ? plane_->area() : solid_->volume(); }

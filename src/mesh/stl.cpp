@@ -252,4 +252,10 @@ TriangleSurface read_stl(const std::string& path) {
   return surface;
 }
 
+TriangleSurface read_stl(const SurfaceFile& file) {
+  TriangleSurface surface = read_stl(file.path);
+  for (Vec3& x : surface.vertices) x += file.moved;
+  return surface;
+}
+
 }  // namespace berm

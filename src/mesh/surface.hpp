@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mesh/solid_shape.hpp"
 #include "base/tensor.hpp"
 
 namespace berm {
@@ -22,6 +23,8 @@ struct TriangleSurface {
 /// out is turned. Throws InputError that names the file and what is wrong (missing, not an STL file, truncated, open,
 /// torn, twisted, flat triangles, overlapping parts) and where.
 TriangleSurface read_stl(const std::string& path);
+/// The same, moved as the shape says.
+TriangleSurface read_stl(const SurfaceFile& file);
 
 /// Enclosed volume [m3].
 double volume(const TriangleSurface& surface);

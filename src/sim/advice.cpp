@@ -7,10 +7,16 @@
 
 namespace berm {
 
+std::string place_text(const Case& c, const Vec3& x) {
+  const Vec3 y = c.origin + x;
+  const char* text = c.origin.isZero(0.0) ? "({:.6g})" : "({:.10g})";
+  return fmt::format(fmt::runtime(text), fmt::join(y.data(), y.data() + c.dimension(), ", "));
+}
+
 namespace {
 
 bool loads_from_the_start(const Case& c) {
-  const auto acts = [](const TimeFunction& f) { return !f.is_number() && f.at(0.0) != 0.0; };
+  const auto acts = [](const TimeFunction& f) { return !f.is_number() && !f.depends_on_place() && f.at(0.0) != 0.0; };
   return std::any_of(c.gravity.component.begin(), c.gravity.component.end(), acts) ||
          std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) {
            return acts(p.value) || (p.traction && std::any_of(p.traction->component.begin(), p.traction->component.end(), acts));
@@ -21,6 +27,9 @@ bool loads_from_the_start(const Case& c) {
 
 std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
   constexpr double at_once = 0.3, jump = 0.5;
+  if (loss.extrapolated)
+    return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below steps.error_tolerance (see the "
+           "warning on it), or take integration = \"implicit\"";
   if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic()) {
     const bool scales = c.stages.size() == 1 && !c.pressures.empty() && c.control.kind != Control::Kind::gauge;
     return fmt::format("most of it went in the step to time {:.6g}, where the structure snaps back: what it lets go of is in no equation of "

@@ -7,9 +7,13 @@
 
 namespace berm {
 
+/// A place in the user's coordinates.
+std::string place_text(const Case& c, const Vec3& x);
+
 /// When the balance of energy went off.
 struct EnergyLoss {
   double first = 0.0;    ///< error of the first step [-]
+  bool extrapolated = false;  ///< IMPL-EX steps that missed their tolerance
   double largest = 0.0;  ///< share of the error that came with one step [-]
   double time = 0.0;     ///< of that step [s]
 };

@@ -136,6 +136,7 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   file.write_number("bridge", control.bridge);
   const Balance& balance = step.balance();
   file.write_number("external_work", balance.external_work);
+  file.write_number("in_equilibrium", step.in_equilibrium() ? 1.0 : 0.0);
   file.write_number("damped", balance.damped);
   file.write_number("transferred", balance.transferred);
   file.write_number("kinetic", balance.kinetic);
@@ -191,7 +192,9 @@ void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, 
   balance.reactions.boundary = vectors(read_all(file, "forces/boundary", 3));
   balance.reactions.node = read_all(file, "forces/node");
   balance.pressure_force = vectors(read_all(file, "forces/pressure", 3));
-  step.restore(balance);
+  // A state at the very beginning of a stage was reached in the one before.
+  const bool begins = world.stage > 0 && world.time <= world.present_stage().begin * (1.0 + 1e-12);
+  step.restore(balance, file.read_number("in_equilibrium") != 0.0, world.spec.stages[world.stage - (begins ? 1 : 0)].name);
 
   std::vector<std::vector<double>> rows;
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)

@@ -450,7 +450,7 @@ bool ImplicitStep::is_fair() const {
 /// In equilibrium, whether supports, rigid bodies and loads are at the end of the step what and where they were at its start.
 bool ImplicitStep::nothing_changes() const {
   const Case& c = world_.spec;
-  if (motion_ || gauge_ >= 0 || t0_ <= 0.0 || !same_act_in(c, last_stage_, world_.present_stage().name)) return false;
+  if (motion_ || gauge_ >= 0 || !in_equilibrium_ || !same_act_in(c, last_stage_, world_.present_stage().name)) return false;
   if (any_law(c, [](const AnyLaw& law) { return std::holds_alternative<Newtonian>(law); })) return false;
   bool same = std::all_of(prescribed_.begin(), prescribed_.end(), [](double du) { return du == 0.0; });
   for (const Body& b : c.bodies) same = same && b.displacement.step(t0_, t1_).isZero(0.0);
@@ -510,7 +510,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
     for (const double value : r) sum += value * value;
     result.residual = std::sqrt(world_.comm.sum(sum)) / std::max(force_scale_, 1e-300);
     if (result.residual <= rest_tolerance) {
-      result.converged = true;
+      result.converged = reaches_equilibrium_ = true;
       result.at_rest = result.residual;
       return result;
     }
@@ -559,6 +559,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
     }
   }
   result.converged = newton.converged;
+  reaches_equilibrium_ = integration == Integration::implicit && !motion_ && !result.stood_still;
   const double reference = std::max(scale, s.absolute_tolerance * world_.elastic_scale);
   result.residual = newton.residual / reference;
   for (double value : newton.residuals) result.residuals.push_back(value / reference);
@@ -601,6 +602,7 @@ void ImplicitStep::accept() {
   last_du_ = du_;
   last_dt_ = t1_ - t0_;
   last_stage_ = world_.present_stage().name;
+  in_equilibrium_ = reaches_equilibrium_;
   world_.time = t1_;
   world_.load_factor = load_factor_;
   prepared_ = world_.step_begun = false;
@@ -661,6 +663,12 @@ void ImplicitStep::set_up_stage() {
   motion_.reset();
   motion_ready_ = false;
   if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics, world_.spec.method == Method::fem);
+}
+
+void ImplicitStep::restore(const Balance& balance, bool in_equilibrium, const std::string& stage) {
+  balance_ = balance;
+  in_equilibrium_ = in_equilibrium;
+  last_stage_ = stage;
 }
 
 LinearCount ImplicitStep::linear_count() const {

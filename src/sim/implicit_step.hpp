@@ -56,8 +56,10 @@ public:
   void set_up_stage();
 
   const Balance& balance() const { return balance_; }
-  /// After a restart: the balance of the saved state.
-  void restore(const Balance& balance) { balance_ = balance; }
+  /// Whether the state is one of equilibrium, found to the tolerance of an implicit step.
+  bool in_equilibrium() const { return in_equilibrium_; }
+  /// After a restart: the balance of the saved state, and whether it was one of equilibrium in the stage of that name.
+  void restore(const Balance& balance, bool in_equilibrium, const std::string& stage);
   StepTimes times() const;
   LinearCount linear_count() const;
   /// How linear systems are solved and why; empty before the first step.
@@ -125,6 +127,7 @@ private:
   NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
   std::string last_stage_;                   ///< of the last step
+  bool in_equilibrium_ = false, reaches_equilibrium_ = false;  ///< the state at t_n; that of the last attempt
   std::vector<double> prescribed_;
   std::vector<double> cached_x_, cached_r_;
   std::optional<Newmark> motion_;            ///< of the step; dynamic analyses only

@@ -12,13 +12,10 @@
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
+#include "sim/advice.hpp"
 
 namespace berm {
 namespace {
-
-std::string place_text(const Vec3& x, int dimension) {
-  return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + dimension, ", "));
-}
 
 /// Sets that grow together.
 class Groups {
@@ -88,7 +85,7 @@ bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) 
   return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;
 }
 
-/// A piece at which another body begins has no gap before it.
+/// A piece at which another body of its layer begins has no gap before it.
 bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
   constexpr double touching = 0.1, opposite = -0.7;
   const Vec3 way = t.X - s.X;
@@ -110,16 +107,16 @@ std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>
                             Groups& groups) {
   std::unordered_map<int, std::vector<int>> pieces_of_node;
   for (std::size_t k = 0; k < surface.size(); ++k) {
-    Anchor a = anchor_at(surface[k].body, surface[k].X, surface[k].normal);
-    mpm.locate(a);
-    for (const int node : mpm.nodes_of(a.cell)) pieces_of_node[node].push_back(static_cast<int>(k));
+    const int cell = mpm.grid().locator->locate(surface[k].X - 1e-6 * mpm.cell_size() * surface[k].normal, -1);
+    if (cell < 0) continue;  // who needs it there will say so
+    for (const int node : mpm.nodes_of(cell)) pieces_of_node[node].push_back(static_cast<int>(k));
   }
   std::erase_if(pieces_of_node, [&](const auto& entry) { return !may_face(entry.second, surface); });
   const double h = mpm.cell_size();
   std::vector<char> covered(surface.size(), 0);
   for (const auto& [node, pieces] : pieces_of_node)
     for (const int k : pieces)
-      for (const int other : pieces) covered[k] |= is_covered_by(surface[k], surface[other], h);
+      for (const int other : pieces) covered[k] |= layers[surface[k].body] == layers[surface[other].body] && is_covered_by(surface[k], surface[other], h);
   std::vector<Glue> found;
   for (const auto& [node, pieces] : pieces_of_node) {
     int first = -1;  // glued piece at this node
@@ -150,7 +147,7 @@ std::string gap_text(const Case& c, const MpmDiscretisation& mpm, const Gap& gap
   return fmt::format(
       "the gap of {:.4g} m {} near {} is too narrow for cells of {:.4g} m: common nodes join its sides over {:.4g} m. Let {} "
       "whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true",
-      gap.width, where, place_text(0.5 * (s.X + t.X), mpm.dimension()), mpm.cell_size(), (gap.high - gap.low).norm(), mpm.degree(),
+      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), mpm.cell_size(), (gap.high - gap.low).norm(), mpm.degree(),
       mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), contact);
 }
 
@@ -181,7 +178,8 @@ struct Assembly {
 };
 
 /// What the assembly can do freely, in words; empty: nothing.
-std::string free_motion(Space space, const Assembly& a) {
+std::string free_motion(const Case& c, const Assembly& a) {
+  const Space space = c.space;
   constexpr double nothing = 1e-10;
   const std::vector<int> motions = motions_of(space);
   const int n = static_cast<int>(motions.size());
@@ -203,7 +201,7 @@ std::string free_motion(Space space, const Assembly& a) {
   if (static_cast<int>(axes.size()) < free.cols()) {
     const bool plain = axes.empty() && free.cols() == 1 && is_plane(space) && std::abs(free(2, 0)) > 1e-6;
     const Vec3 about = plain ? Vec3(a.centre() + a.size() * Vec3(-free(1, 0), free(0, 0), 0.0) / free(2, 0)) : Vec3::Zero();
-    words.push_back(plain ? "turn about " + place_text(about, 2) : "turn");
+    words.push_back(plain ? "turn about " + place_text(c, about) : "turn");
   }
   return fmt::format("{}", fmt::join(words, " and "));
 }
@@ -272,19 +270,28 @@ void refuse_few_points(const World& w, const MpmDiscretisation& mpm, const std::
   if (c.shape_functions != ShapeFunctions::quadratic_bspline && c.shape_functions != ShapeFunctions::cubic_bspline) return;
   const int d = c.dimension(), strains = c.space == Space::solid ? 6 : c.space == Space::axisymmetric ? 4 : 3;
   for (const Slice& slice : mpm.material.slices) {
-    long unknowns = 0;
-    for (int i = 0; i < mpm.halo.n_owned; ++i)
-      for (int k = 0; k < d && share[slice.body][i] > 0.0; ++k) unknowns += !w.boundary->fixed()[d * i + k];
+    // Bodies of a layer share nodes: the points of all strain them.
+    long unknowns = 0, points = 0;
+    for (int i = 0; i < mpm.halo.n_owned; ++i) {
+      bool reached = false;
+      for (const Slice& other : mpm.material.slices)
+        reached |= w.layers[other.body] == w.layers[slice.body] && share[other.body][i] > 0.0;
+      for (int k = 0; k < d && reached; ++k) unknowns += !w.boundary->fixed()[d * i + k];
+    }
+    for (const Slice& other : mpm.material.slices)
+      if (w.layers[other.body] == w.layers[slice.body]) points += other.end - other.begin;
     unknowns = w.comm.sum(unknowns) - static_cast<long>(motions_of(c.space).size());
-    const long points = w.comm.sum(long(slice.end - slice.begin));
+    points = w.comm.sum(points);
     if (strains * points >= unknowns) continue;
     const double factor = std::pow(double(unknowns) / (strains * points), 1.0 / d);
     const Body& body = c.bodies[slice.body];
+    const bool by_mesh = body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty();
+    const std::string more =
+        by_mesh ? fmt::format("a finer mesh for them or more points.per_element")
+                : fmt::format("points.per_direction = {} or more", static_cast<int>(std::ceil(factor * body.points.per_direction - 1e-9)));
     throw InputError(fmt::format(
-        "body \"{}\" has {} points, too few for the {} unknowns of B-splines of degree {}: take [body.{}] points.per_direction = {} "
-        "or more, or smaller cells",
-        body.name, points, unknowns, mpm.degree(), body.name,
-        static_cast<int>(std::ceil(factor * body.points.per_direction - 1e-9))));
+        "body \"{}\" has {} points, too few for the {} unknowns of B-splines of degree {}: take [body.{}] {}, or smaller cells",
+        body.name, points, unknowns, mpm.degree(), body.name, more));
   }
 }
 
@@ -296,6 +303,26 @@ void look_at_piece(const SurfacePoint& s, Work work) {
   if (s.n_corners > 0) return;
   const Vec3 half = 0.5 * s.size * Vec3(-s.normal.y(), s.normal.x(), 0.0);
   work(s.X + half), work(s.X - half);
+}
+
+/// From a body to the boxes of the held nodes of each cell, on this process; it need not be exact below `enough`.
+double distance_to_held(const MpmDiscretisation& mpm, const Slice& slice, const std::vector<char>& held, const Mat3& own,
+                        const std::vector<SurfacePoint>& surface, const std::vector<Vec3>& points, double enough) {
+  double nearest = infinity;
+  for (int block = 0; block < mpm.n_patches() && nearest > enough; ++block) {
+    Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
+    for (const int node : mpm.blocks[block])
+      if (held[node]) low = low.cwiseMin(own * mpm.nodes[node]), high = high.cwiseMax(own * mpm.nodes[node]);
+    if (low.x() > high.x()) continue;
+    const auto look = [&](const Vec3& x) {
+      const Vec3 y = own * x;
+      nearest = std::min(nearest, (low - y).cwiseMax(y - high).head(mpm.dimension()).maxCoeff());
+    };
+    for (std::size_t k = 0; k < surface.size() && nearest > enough; ++k)
+      if (surface[k].body == slice.body) look_at_piece(surface[k], look);
+    for (int p = slice.begin; p < slice.end && nearest > enough; ++p) look(points[p]);
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -318,10 +345,10 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
         throw InputError(fmt::format(
             "[contact.{}]: {} of body \"{}\" lies inside of rigid body \"{}\", {:.4g} m deep at {}: let it start where it touches "
             "the surface, or take its place out of the body (shape.difference)",
-            contact->name, amount, first, second, in.depth, place_text(in.at, d)));
+            contact->name, amount, first, second, in.depth, place_text(c, in.at)));
       throw InputError(fmt::format("bodies \"{}\" and \"{}\" overlap: {} near {} belongs to both. Make their shapes disjoint "
                                    "(shape.difference)",
-                                   std::min(first, second), std::max(first, second), amount, place_text(in.at, d)));
+                                   std::min(first, second), std::max(first, second), amount, place_text(c, in.at)));
     }
 }
 
@@ -336,8 +363,11 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
     if (g.width < gap.width) gap.width = g.width, gap.piece = g.piece, gap.other = g.other;
   }
   for (const auto& [root, gap] : gaps) {
-    const bool one_body = surface[gap.piece].body == surface[gap.other].body;
-    if (one_body && (gap.high - gap.low).norm() <= tip) continue;
+    const int first = surface[gap.piece].body, second = surface[gap.other].body;
+    const bool joined = first == second || std::any_of(w.joints.begin(), w.joints.end(), [&](const Joint& j) {
+      return std::minmax(j.body, j.other) == std::minmax(first, second);
+    });
+    if (joined && (gap.high - gap.low).norm() <= tip) continue;
     const std::string text = gap_text(w.spec, mpm, gap, surface);
     if (!w.spec.allow_glued) throw InputError(text);
     w.spec.warnings.push_back(text.substr(0, text.find(". Let ")));
@@ -347,7 +377,7 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
   const Case& c = w.spec;
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
-  const double reach = (0.05 + 0.5 * (mpm.degree() - 1)) * mpm.cell_size();  // splines have nodes between the lines
+  const double reach = (0.1 + 0.5 * (mpm.degree() - 1)) * mpm.cell_size();  // splines have nodes between the lines
   const StructuredGrid* grid = mpm.grid().structure.get();
   const Mat3 own = grid ? Mat3(Eigen::AngleAxisd(-grid->angle, Vec3::UnitZ()).toRotationMatrix()) : Mat3(Mat3::Identity());
   std::vector<std::vector<char>> held(c.boundaries.size());
@@ -357,48 +387,63 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
   const std::vector<Vec3> points = mpm.point_positions();
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     mpm.halo.copy_to_ghosts(held[b].data(), 1);
+    std::map<int, bool> touches;   // by body that has some of the nodes
+    std::map<int, double> nearest;
     for (const Slice& slice : mpm.material.slices) {
-      bool reached = false, touches = false;
-      double nearest = infinity;
+      bool reached = false;
       for (int i = 0; i < mpm.halo.n_owned; ++i) reached |= held[b][i] && share[slice.body][i] > 0.0;
-      for (int block = 0; block < mpm.n_patches() && !touches; ++block) {
-        Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);  // of the held nodes of a cell
-        for (const int node : mpm.blocks[block])
-          if (held[b][node]) low = low.cwiseMin(own * mpm.nodes[node]), high = high.cwiseMax(own * mpm.nodes[node]);
-        if (low.x() > high.x()) continue;
-        const auto look = [&](const Vec3& x) {
-          const Vec3 y = own * x;
-          const double distance = (low - y).cwiseMax(y - high).head(mpm.dimension()).maxCoeff();
-          nearest = std::min(nearest, distance);
-          touches |= distance <= reach;
-        };
-        for (std::size_t k = 0; k < surface.size() && !touches; ++k)
-          if (surface[k].body == slice.body) look_at_piece(surface[k], look);
-        for (int p = slice.begin; p < slice.end && !touches; ++p) look(points[p]);
+      if (!w.comm.any(reached)) continue;
+      const double distance = distance_to_held(mpm, slice, held[b], own, surface, points, reach);
+      nearest[slice.body] = w.comm.min(distance);
+      touches[slice.body] = nearest[slice.body] <= reach;
+    }
+    for (const auto& [body, by_itself] : touches) {
+      // What lies between, and has the same nodes, may touch them for it.
+      bool carried = by_itself;
+      for (const auto& [other, other_touches] : touches) {
+        bool common = false;
+        for (int i = 0; i < mpm.halo.n_owned; ++i) common |= held[b][i] && share[body][i] > 0.0 && share[other][i] > 0.0;
+        carried |= other_touches && w.comm.any(common);
       }
-      if (!w.comm.any(reached) || w.comm.any(touches)) continue;
-      nearest = w.comm.min(nearest);
-      const Body& body = c.bodies[slice.body];
+      if (carried) continue;
       const std::string text = fmt::format("[boundary.{}] holds nodes {:.4g} m beside body \"{}\", which does not touch them and would hang on them all "
                                            "the same",
-                                           c.boundaries[b].name, nearest, body.name);
+                                           c.boundaries[b].name, nearest[body], c.bodies[body].name);
       if (!c.allow_glued)
         throw InputError(fmt::format("{}. Move the body to them, hold its surface by [boundary.{}] body = \"{}\", keep them a cell away from "
                                      "it, or allow it by [model] allow_glued = true",
-                                     text, c.boundaries[b].name, body.name));
+                                     text, c.boundaries[b].name, c.bodies[body].name));
       w.spec.warnings.push_back(text);
     }
   }
 }
 
+/// The reader has looked at motions that are the same everywhere.
+void refuse_jumps(const World& w) {
+  const Case& c = w.spec;
+  if (c.stages.front().steps.analysis != Analysis::dynamic) return;
+  w.comm.agree([&] {
+    for (const auto& hold : w.boundary->holds(*w.discretisation)) {
+      if (hold.boundary < 0) continue;
+      const NodeBoundary& b = c.boundaries[hold.boundary];
+      for (const std::optional<TimeFunction>& u : {b.u[0], b.u[1], b.u[2], std::optional(b.un)})
+        if (u && u->depends_on_place() && std::abs(u->at(0.0, hold.at)) > no_jump)
+          throw InputError(fmt::format("[boundary.{}]: \"{}\" is {:.4g} at {} and t = 0: where the first stage is dynamic a displacement begins "
+                                       "with 0 everywhere",
+                                       b.name, u->text(), u->at(0.0, hold.at), place_text(c, hold.at)));
+    }
+  });
+}
+
 void refuse_free_bodies(const World& w) {
   const Case& c = w.spec;
+  refuse_jumps(w);
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
   if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) refuse_few_points(w, *mpm, share);
   if (c.stages.front().steps.analysis != Analysis::quasi_static) return;
   Groups groups = find_assemblies(w, share);
   for (const auto& [root, assembly] : hold_assemblies(w, share, groups)) {
-    const std::string motion = free_motion(c.space, assembly);
+    const std::string motion = free_motion(c, assembly);
     if (motion.empty()) continue;
     std::vector<std::string> names;
     for (std::size_t b = 0; b < c.bodies.size(); ++b)

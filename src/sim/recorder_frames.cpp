@@ -83,7 +83,8 @@ VtuData Recorder::points_data() const {
   for (const Slice& slice : m.slices) std::fill(body.begin() + slice.begin, body.begin() + slice.end, slice.body);
   for (int p = 0; p < n; ++p) {
     displacement.insert(displacement.end(), u[p].data(), u[p].data() + 3);
-    current_volume.push_back(m.volume[p] * m.F[p].determinant() * std::exp(m.strain_zz[p]));
+    const bool finite = world_.spec.kinematics == Kinematics::finite;
+    current_volume.push_back(finite ? m.volume[p] * m.F[p].determinant() * std::exp(m.strain_zz[p]) : m.volume[p]);
     for (int c = 0; c < 6; ++c) {
       stress.push_back(m.stress[p][c]);
       strain.push_back(c < 3 ? m.strain[p][c] : 0.5 * m.strain[p][c]);

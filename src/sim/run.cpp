@@ -65,7 +65,7 @@ public:
       return;
     }
     load_checkpoint(options.restart, *world_, step_, recorder_, control_);
-    watch_.seen = recorder_.watched();
+    watch_.resume(recorder_.watched(), step_.balance().reactions);
     log_.info(
         fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
   }
@@ -89,6 +89,8 @@ public:
       if (comm_.size() == 1) end_early(error);  // else the other processes may know nothing of it: main() ends them
       throw;
     }
+    watch_.look_last();
+    recorder_.note(watch_.seen);
     recorder_.finish("done", "", seconds());
     report_end();
   }
@@ -218,8 +220,7 @@ private:
       return;
     }
     const std::string where =
-        result.share > 0.0 ? fmt::format("; forces balance least at ({:.6g}): {:.0f} % of it",
-                                         fmt::join(result.where.data(), result.where.data() + world_->spec.dimension(), ", "), 100.0 * result.share)
+        result.share > 0.0 ? fmt::format("; forces balance least at {}: {:.0f} % of it", place_text(world_->spec, result.where), 100.0 * result.share)
                            : "";
     std::vector<std::string> slipping;
     if (world_->step_begun) slipping = world_->boundary->slipping();
@@ -246,7 +247,6 @@ private:
   }
 
   void report_end() {
-    watch_.look_last();
     const auto metrics = recorder_.metrics();
     if (!comm_.is_root()) return;
     for (const auto& [name, value] : metrics) log_.info(fmt::format("  {:<28} {:.6g}", name, value));
@@ -269,10 +269,12 @@ private:
     constexpr double balanced = 0.05, coarse_gap = 0.1;
     double tolerance = 0.0;
     for (const Stage& stage : world_->spec.stages) tolerance = std::max(tolerance, stage.steps.error_tolerance);
+    EnergyLoss loss = recorder_.energy_loss();
+    for (const auto& [name, value] : metrics) loss.extrapolated |= name == "extrapolation_error [-]" && value > tolerance;
     for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
         log_.warning(fmt::format("the energy balance is off by {:.2g} % of the largest energy: {}", 100.0 * value,
-                                 advice_on_energy(world_->spec, recorder_.energy_loss())));
+                                 advice_on_energy(world_->spec, loss)));
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "

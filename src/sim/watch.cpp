@@ -24,10 +24,21 @@ bool dilates(const AnyLaw& law) {
   return false;
 }
 
+/// Loads and supports that may be the cause of a change of reactions.
+bool changes_otherwise(const Case& c, double t0, double t1) {
+  const auto rests = [&](const TimeFunction& f) { return !f.depends_on_place() && f.step(t0, t1) == 0.0; };
+  const auto all_rest = [&](const auto& functions) { return std::all_of(functions.begin(), functions.end(), rests); };
+  return !all_rest(c.gravity.component) || std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) {
+    return !rests(p.value) || (p.traction && !all_rest(p.traction->component));
+  }) || std::any_of(c.boundaries.begin(), c.boundaries.end(), [&](const NodeBoundary& b) {
+    return !rests(b.un) || std::any_of(b.u.begin(), b.u.end(), [&](const auto& u) { return u && !rests(*u); });
+  });
+}
+
 }  // namespace
 
 void Watched::restore(const std::vector<double>& row) {
-  if (row.size() != this->row().size()) return;  // of an older checkpoint
+  if (row.size() != this->row().size()) return;
   penetration = row[0], swelling = row[1], jump = row[2], jumps = row[3], columns = row[4];
 }
 
@@ -53,6 +64,14 @@ Watch::Watch(const World& world, Say warn)
   }
 }
 
+void Watch::resume(const Watched& before, const Reactions& now) {
+  seen = before;
+  time_ = world_.time;
+  span_ = 0.0;
+  reaction_ = now.rigid;
+  for (std::size_t b = 0; b < reaction_.size(); ++b) largest_[b] = reaction_[b].norm();
+}
+
 double Watch::Obstacle::depth(const Vec3& x) {
   constexpr char far = 1, near = 2;
   std::size_t at = 0;
@@ -73,10 +92,6 @@ double Watch::Obstacle::depth(const Vec3& x) {
 /// In small strain places stay where they started.
 Vec3 Watch::place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const {
   return world_.spec.kinematics == Kinematics::small ? Vec3(X[p] + u[p]) : x[p];
-}
-
-std::string Watch::place_text(const Vec3& x) const {
-  return fmt::format("({:.6g})", fmt::join(x.data(), x.data() + world_.spec.dimension(), ", "));
 }
 
 void Watch::look(const ImplicitStep& step, int n_steps) {
@@ -100,7 +115,11 @@ void Watch::look_last() {
 }
 
 void Watch::look_for_penetration() {
-  if (obstacles_.empty()) return;
+  // Where displacements have been set back in small strain, places are no longer known.
+  const auto& stages = world_.spec.stages;
+  const bool lost = world_.spec.kinematics == Kinematics::small &&
+                    std::any_of(stages.begin(), stages.begin() + world_.stage + 1, [](const Stage& s) { return s.reset_displacements; });
+  if (obstacles_.empty() || lost) return;
   constexpr double told = 0.1, most = 1.0;  // cells
   const Discretisation& d = *world_.discretisation;
   const double h = d.cell_size();
@@ -130,7 +149,7 @@ void Watch::look_for_penetration() {
   const std::string text =
       fmt::format("material of \"{}\" is {:.3g} m deep inside of rigid body \"{}\" at {}, time {:.6g} ({:.2g} cells): contact acts on the "
                   "surface of the body, which has slid off there",
-                  world_.spec.bodies[o.body].name, all, world_.spec.bodies[o.rigid].name, place_text(Vec3(found[1], found[2], found[3])),
+                  world_.spec.bodies[o.body].name, all, world_.spec.bodies[o.rigid].name, place_text(world_.spec, Vec3(found[1], found[2], found[3])),
                   world_.time, all / h);
   if (all > most * h)
     throw RunError(text + ". What the rigid body feels is no longer right: end the run before, " + advice_on_penetration(world_.spec));
@@ -147,7 +166,7 @@ void Watch::look_for_overlap() {
   if (!found) return;
   overlap_told_ = true;
   warn_(fmt::format("bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at {} holds {:.2g} times as much as it has room for{}",
-                    bodies[found->body_a].name, bodies[found->body_b].name, world_.time, place_text(found->where), found->fill,
+                    bodies[found->body_a].name, bodies[found->body_b].name, world_.time, place_text(world_.spec, found->where), found->fill,
                     advice_on_overlap(world_.spec)));
 }
 
@@ -231,7 +250,7 @@ void Watch::look_for_smeared_cracks() {
   warn_(fmt::format("cracks are smeared over {:.2g} cells side by side in the mean at time {:.6g}, most near {}: a zone of uniform stress softens "
                     "as a whole and takes up the energy of as many cracks. Say where the crack begins: a notch, or a body one cell wide of a "
                     "material with a tensile strength a few per cent lower",
-                    columns / sum, world_.time, place_text(where)));
+                    columns / sum, world_.time, place_text(world_.spec, where)));
 }
 
 /// Where rigid bodies move evenly in equilibrium and nothing cracks, a reaction changes from step to step as it did.
@@ -239,13 +258,13 @@ void Watch::look_for_jumps(const Reactions& now, double time) {
   constexpr double told = 0.1, sudden = 3.0, even = 0.1;
   const double span = time - time_, before = span_;
   const bool in_equilibrium = world_.present_stage().steps.analysis == Analysis::quasi_static && !any_law(world_.spec, is_damage);
-  const bool same_stage = time_ > world_.present_stage().begin;
+  const bool same_stage = time_ > world_.present_stage().begin && !changes_otherwise(world_.spec, time_, time);
   for (std::size_t b = 0; b < reaction_.size(); ++b) {
     if (!world_.spec.bodies[b].rigid) continue;
     const VectorFunction& motion = world_.spec.bodies[b].displacement;
     const Vec3 rate = motion.step(time_, time) / span, change = now.rigid[b] - reaction_[b];
     largest_[b] = std::max(largest_[b], now.rigid[b].norm());
-    const bool goes_on = before > 0.0 && (rate - rate_[b]).norm() <= even * rate.norm();
+    const bool goes_on = before > 0.0 && rate.norm() > 0.0 && (rate - rate_[b]).norm() <= even * rate.norm();
     const Vec3 odd = before > 0.0 ? Vec3(change - change_[b] * (span / before)) : change;
     const double size = std::min(change.norm(), odd.norm());
     if (in_equilibrium && same_stage && goes_on && reaction_[b].norm() > told * largest_[b] && size > told * largest_[b] &&
@@ -253,8 +272,9 @@ void Watch::look_for_jumps(const Reactions& now, double time) {
       seen.jumps += 1.0;
       if (size / largest_[b] > seen.jump) {
         seen.jump = size / largest_[b];
-        worst_jump_ = fmt::format(", most at time {:.6g}, where that of \"{}\" went from {} to {} N", time, world_.spec.bodies[b].name,
-                                  place_text(reaction_[b]), place_text(now.rigid[b]));
+        worst_jump_ = fmt::format(", most at time {:.6g}, where that of \"{}\" went from ({:.4g}) to ({:.4g}) N", time, world_.spec.bodies[b].name,
+                                  fmt::join(reaction_[b].data(), reaction_[b].data() + world_.spec.dimension(), ", "),
+                                  fmt::join(now.rigid[b].data(), now.rigid[b].data() + world_.spec.dimension(), ", "));
       }
     }
     reaction_[b] = now.rigid[b], change_[b] = change, rate_[b] = rate;

@@ -28,6 +28,8 @@ public:
   /// `warn` gets each warning once.
   Watch(const World& world, Say warn);
 
+  /// After a restart.
+  void resume(const Watched& before, const Reactions& now);
   /// After every accepted step. Throws RunError if material is more than a cell deep inside a rigid body. Collective.
   void look(const ImplicitStep& step, int n_steps);
   /// At the end of a run. Collective.
@@ -54,7 +56,6 @@ private:
   void look_for_swelling();
   void look_for_smeared_cracks();
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
-  std::string place_text(const Vec3& x) const;
 
   const World& world_;
   Say warn_;

@@ -16,6 +16,7 @@
 #include "law/kinds.hpp"
 #include "mesh/gmsh.hpp"
 #include "method/depth.hpp"
+#include "sim/advice.hpp"
 #include "sim/preflight.hpp"
 #include "sim/surfaces.hpp"
 #include "transfer/mpm.hpp"
@@ -173,6 +174,7 @@ void build_mpm(World& w, BuiltBodies& built) {
   if (const auto* structure = mpm->grid().structure.get();
       structure && has_domains(c.shape_functions) && is_simplex(mpm->grid().mesh.kinds[0]))
     boxes = boxes_of(*structure);
+  mpm->tell_origin(c.origin);
   const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
   std::vector<SurfacePoint>& surface = built.surface;
   const std::vector<int> meets_others = fields_of_bodies(c);
@@ -347,9 +349,7 @@ void check_places(const World& w) {
     const bool near = w.comm.any(
         std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
     if (near) return;
-    const std::string z = d.dimension() == 3 ? fmt::format(", {:.6g}", x.z()) : "";
-    throw InputError(fmt::format("[{}.{}]: the point ({:.6g}, {:.6g}{}) lies outside of every deformable body", kind,
-                                 name, x.x(), x.y(), z));
+    throw InputError(fmt::format("[{}.{}]: the point {} lies outside of every deformable body", kind, name, place_text(w.spec, x)));
   };
   for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
   for (const Gauge& g : w.spec.output.gauges) {
@@ -405,9 +405,12 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
     else
       build_fem(*w, built);
   } catch (const std::bad_alloc&) {
-    throw InputError(fmt::format("not enough memory to build the model; [grid] cells alone need about {:.2g} GB, used or not: make the grid "
-                                 "smaller around the bodies, or its cells larger",
-                                 grid_bytes(w->spec) / 1e9));
+    const double grid = grid_bytes(w->spec);
+    throw InputError("not enough memory to build the model: " +
+                     (grid > 0.0 ? fmt::format("the cells of [grid] alone need about {:.2g} GB, used or not: make the grid smaller around the bodies, "
+                                               "or its cells larger",
+                                               grid / 1e9)
+                                 : "take larger cells"));
   }
   double youngs = 0.0;
   for (const Material& m : w->spec.materials)
@@ -457,14 +460,13 @@ std::string describe(const World& w) {
   if (w.comm.size() > 1)
     line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
                      d.most_loaded()));
-  if (!w.spec.origin.isZero(0.0))
-    line(fmt::format("  coordinates       in messages count from ({:.12g}, {:.12g}, {:.12g}), in files from the origin", w.spec.origin.x(),
-                     w.spec.origin.y(), w.spec.origin.z()));
   line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0 + grid_bytes(w.spec)) / 1e6 + 60.0));
   for (const Stage& s : w.spec.stages)
     line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
                      s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",
                      s.name.empty() ? "" : ", stage " + s.name));
+  if (any_law(w.spec, is_damage))
+    line("  cracks            follow the lines of the grid (laws with a crack band): trust their direction only if it stays on a turned grid");
   for (const std::string& choice : w.spec.choices) line("  chosen            " + choice);
   for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;

@@ -15,8 +15,8 @@ namespace berm {
 namespace {
 
 std::string text_of(const Vec3& x, int dimension) {
-  return dimension == 3 ? fmt::format("({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z())
-                        : fmt::format("({:.6g}, {:.6g})", x.x(), x.y());
+  return dimension == 3 ? fmt::format("({:.9g}, {:.9g}, {:.9g})", x.x(), x.y(), x.z())
+                        : fmt::format("({:.9g}, {:.9g})", x.x(), x.y());
 }
 
 /// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, rim, then what the material
@@ -83,7 +83,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
       throw InputError(
           fmt::format("body \"{}\": a material point at {} lies outside the background grid: make the grid larger or "
                       "move the body",
-                      name, text_of(x, dimension())));
+                      name, text_of(origin_ + x, dimension())));
     const double l = crack_band_length(spec, grid_.mesh, cell);
     const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
@@ -199,12 +199,12 @@ void MpmDiscretisation::find_cells() {
       cell_[p] = grid_.locator->locate(total_lagrangian_ ? X_[p] : x_[p], cell_[p]);
       if (cell_[p] < 0 && space_ == Space::axisymmetric && x_[p].x() <= 0.0)
         throw RunError(fmt::format("material point {} has crossed the axis of symmetry at {}: take smaller steps, or cells", id_[p],
-                                   text_of(x_[p], dimension())));
+                                   text_of(origin_ + x_[p], dimension())));
       if (cell_[p] < 0)
         throw RunError(
             fmt::format("material point {} has left the background grid at {}: make the grid larger, or stop the run "
                         "earlier",
-                        id_[p], text_of(x_[p], dimension())));
+                        id_[p], text_of(origin_ + x_[p], dimension())));
     }
   });
 }
@@ -274,7 +274,7 @@ int MpmDiscretisation::locate(Anchor& a) const {
   }
   if (a.cell < 0)
     throw RunError(fmt::format("a surface point has left the background grid at {}: make the grid larger",
-                               text_of(a.x, dimension())));
+                               text_of(origin_ + a.x, dimension())));
   return owner_of_cell(a.cell);
 }
 
@@ -519,7 +519,7 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
         const double J = material.F[p].determinant();
         if (!(J > 0.0) || !std::isfinite(J))
           throw RunError(fmt::format("material point {} at {} is turned inside out (det F = {:.3g}): take smaller steps",
-                                     id_[p], text_of(x_[p], d), J));
+                                     id_[p], text_of(origin_ + x_[p], d), J));
       }
     }
   });

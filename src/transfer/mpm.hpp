@@ -38,6 +38,9 @@ public:
   void add_body(int body, const std::string& name, const Material& material, const SeededPoints& points,
                 double thickness);
 
+  /// Of the coordinates: messages have the user's.
+  void tell_origin(const Vec3& origin) { origin_ = origin; }
+
   /// Ways from the points of the body added last to its surface; zero: far. For gaps between bodies.
   void tell_surface(const std::vector<Vec3>& ways);
 
@@ -267,6 +270,7 @@ private:
   bool f_bar_ = false, mixed_ = false;
   double pressure_unit_ = 0.0;  ///< mixed: of the unknowns [Pa/m]
   double cell_size_ = 0.0;
+  Vec3 origin_ = Vec3::Zero();
   Kinematics kinematics_ = Kinematics::finite;
 
   /// Place from which the grid is seen.

@@ -111,6 +111,40 @@ TEST(Preflight, BodiesThatHangOnNodesBesideThem) {
   EXPECT_EQ(complaint(text, {"boundary.w.where.box.max=[0.11,9.0]"}), "");                                  // nodes inside
 }
 
+/// What has the nodes in common with a body that touches a support hangs on that body.
+TEST(Preflight, LayersAndInclusionsAreCarried) {
+  EXPECT_EQ(complaint(grid + material + body("a", box(0, 0, 1, 0.05)) + body("b", box(0, 0.05, 1, 1)) + base), "");
+  const std::string host = body("a", "difference = [ { " + box(0, 0, 1, 1) + " }, { disc = { centre = [0.5, 0.07], radius = 0.04 } } ]") +
+                           body("b", "disc = { centre = [0.5, 0.07], radius = 0.04 }");
+  EXPECT_EQ(complaint(grid + material + host + base), "");
+  EXPECT_EQ(complaint(grid + material + host + base, {"grid.shape_functions=\"cubic_bspline\""}), "");
+  // Another body that touches far away carries nothing.
+  const std::string beside = "[boundary.w]\nwhere.box = { max = [1e-6, 9.0] }\nux = 0.0\nuy = 0.0\n";
+  expect_words(complaint(grid + material + body("a", box(0, 0, 0.5, 0.5)) + body("b", box(0.04, 1, 0.54, 1.5)) + beside), {"beside body \"b\""});
+}
+
+/// At the edge of a joint the sides of two bodies meet as those of a notch do.
+TEST(Preflight, JointsThatOpen) {
+  EXPECT_EQ(complaint(grid + material + body("a", box(0, 0, 1, 0.5)) + body("b", "polygon = [[0.3, 0.5], [0.7, 0.5], [0.9, 0.7], [0.1, 0.7]]") + base), "");
+}
+
+/// A body of another layer in a slit does not keep its sides apart.
+TEST(Preflight, SlitFilledByABodyInContact) {
+  const std::string text = grid + material +
+                           body("a", "difference = [ { " + box(0, 0, 1, 1) + " }, { " + box(-1, 0.42, 0.6, 0.47) + " } ]") +
+                           body("b", box(0, 0.42, 0.6, 0.47)) + base;
+  EXPECT_EQ(complaint(text), "");  // one material, joined
+  expect_words(complaint(text, {"contact.c={body=\"a\",other=\"b\",kind=\"frictionless\"}"}), {"gap of 0.05 m in body \"a\""});
+}
+
+TEST(Preflight, MotionsThatBeginWithAJump) {
+  const std::string text = grid + material.substr(0, material.find("[steps]")) + body("a", box(0, 0, 1, 1)) +
+                           "[steps]\nanalysis = \"dynamic\"\n[boundary.b]\nwhere.box = { max = [9.0, 1e-6] }\nux = ";
+  expect_words(complaint(text + "\"1e-3*(1 + 0*x)*cos(50*t)\"\n"), {"[boundary.b]", "0.001 at ("});
+  EXPECT_EQ(complaint(text + "\"1e-3*x*sin(50*t)\"\n"), "");
+  EXPECT_EQ(complaint(text + "\"1e-3*sin(2*pi*5*t + pi)\"\n"), "");  // rounding is no jump
+}
+
 // Places that are filled twice.
 
 TEST(Preflight, BodiesInOnePlace) {
@@ -168,6 +202,7 @@ TEST(Preflight, SplinesWithTooFewPoints) {
   expect_words(says, {"body \"a\" has 4 points", "[body.a] points.per_direction = "});
   const std::string wanted = says.substr(says.find("per_direction = ") + 16, 1);
   EXPECT_EQ(complaint(text, {"body.a.points.per_direction=" + wanted}), "");
+  expect_words(complaint(text, {"body.a.points.mesh={kind=\"triangles\",size=1.0}", "body.a.points.per_element=1"}), {"more points.per_element"});
 }
 
 /// Rows of such cells: a place in the middle of one is nearer to points than a cell is wide.
