@@ -148,7 +148,7 @@ std::string BoundaryConditions::idle_boundary() const {
   for (const HeldPoint& p : held_) works[p.boundary] += 1.0;
   comm_.sum(works);
   for (std::size_t b = 0; b < works.size(); ++b)
-    if (works[b] == 0.0) return case_.boundaries[b].name;
+    if (works[b] == 0.0 && acts(case_.boundaries[b].stages)) return case_.boundaries[b].name;
   return "";
 }
 

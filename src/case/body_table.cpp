@@ -134,11 +134,18 @@ void check_structured(const Scope& scope, std::string_view key, std::string_view
   }
 }
 
+double extent_of(const PlaneShape& shape) {
+  const PlaneRegion region(shape);
+  return (region.max() - region.min()).cwiseAbs().maxCoeff();
+}
+
 /// Also finds what is wrong with a surface from a file.
 void check_reach(const Scope& scope, const Body& body) {
   if (!body.shape) return;
   try {
-    const double reach = largest_coordinate(*body.shape);
+    // Maps have large coordinates: the size counts. In space it would have to be triangulated first.
+    const auto* plane = std::get_if<PlaneShape>(&*body.shape);
+    const double reach = plane && largest_coordinate(*body.shape) > 1000.0 ? extent_of(*plane) : largest_coordinate(*body.shape);
     if (reach > 1000.0) scope.warn("shape", fmt::format("[{}] reaches {:.6g} m: did you mean mm?", scope.path, reach));
   } catch (const InputError& error) {
     scope.child(*scope.node.find("shape"))->explain("surface", error.what());

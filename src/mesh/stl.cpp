@@ -13,6 +13,7 @@
 #include <iterator>
 #include <unordered_map>
 
+#include "base/decimals.hpp"
 #include "base/error.hpp"
 #include "mesh/surface.hpp"
 
@@ -254,7 +255,9 @@ TriangleSurface read_stl(const std::string& path) {
 
 TriangleSurface read_stl(const SurfaceFile& file) {
   TriangleSurface surface = read_stl(file.path);
-  for (Vec3& x : surface.vertices) x += file.moved;
+  const double decimals = decimals_at(file.moved);
+  for (Vec3& x : surface.vertices)
+    for (int i = 0; i < 3; ++i) x[i] = difference(x[i], -file.moved[i], decimals);
   return surface;
 }
 

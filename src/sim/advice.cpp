@@ -30,6 +30,14 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
   if (loss.extrapolated)
     return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below steps.error_tolerance (see the "
            "warning on it), or take integration = \"implicit\"";
+  for (std::size_t k = 1; k < c.stages.size(); ++k) {
+    const Stage& stage = c.stages[k];
+    const bool first = loss.time > stage.begin && loss.time <= stage.begin + 1.01 * stage.steps.duration / stage.steps.count;
+    if (first && loss.largest > jump && !same_act_in(c, c.stages[k - 1].name, stage.name))
+      return fmt::format("most of it went in the first step of stage \"{}\", in which supports or loads were let go at once: what they held goes "
+                         "nowhere in equilibrium. Take loads back with the time t, or let the stage be dynamic",
+                         stage.name);
+  }
   if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic()) {
     const bool scales = c.stages.size() == 1 && !c.pressures.empty() && c.control.kind != Control::Kind::gauge;
     return fmt::format("most of it went in the step to time {:.6g}, where the structure snaps back: what it lets go of is in no equation of "

@@ -1,9 +1,9 @@
 #include "sim/far_origin.hpp"
 
 #include <Eigen/Geometry>
-#include <cmath>
-#include <limits>
 #include <optional>
+
+#include "base/decimals.hpp"
 
 namespace berm {
 namespace {
@@ -13,29 +13,22 @@ constexpr double far = 1e4;
 
 Vec3 in_space(const Vec2& x) { return {x.x(), x.y(), 0.0}; }
 
-/// Places less the corner, as the decimals that the user wrote: what the last binary digits of large numbers add would cut
-/// slivers from cells.
+/// Places less the corner.
 class Shift {
 public:
-  explicit Shift(const Vec3& corner) : corner_(corner) {
-    const double digits = std::floor(-std::log10(4.0 * corner.cwiseAbs().maxCoeff() * std::numeric_limits<double>::epsilon()));
-    scale_ = std::pow(10.0, std::max(0.0, digits));
-  }
+  explicit Shift(const Vec3& corner) : corner_(corner), decimals_(decimals_at(corner)) {}
   void operator()(Vec3& x) const {
     for (int i = 0; i < 3; ++i) move(x[i], i);
   }
   void operator()(Vec2& x) const {
     for (int i = 0; i < 2; ++i) move(x[i], i);
   }
-  /// Ends of a box may be infinitely far away.
-  void move(double& x, int axis) const {
-    if (corner_[axis] != 0.0) x = std::isfinite(x) ? std::round((x - corner_[axis]) * scale_) / scale_ : x;
-  }
+  void move(double& x, int axis) const { x = difference(x, corner_[axis], decimals_); }
   const Vec3& corner() const { return corner_; }
 
 private:
   Vec3 corner_;
-  double scale_;
+  double decimals_;
 };
 
 /// Calls f with every place of a shape.

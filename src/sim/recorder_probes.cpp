@@ -36,7 +36,7 @@ void Recorder::fit_probes() {
   if (points == fitted_points_) return;
   fitted_points_ = points;
   probes_.clear();
-  const double h = d.cell_size(), reach = 3.0 * h;
+  const double h = d.cell_size(), reach = 3.0 * std::max(h, longest_edge(d.mesh()));
   const std::vector<Vec3> origins = d.point_origins();
   std::vector<double> near;
   for (std::size_t p = 0; p < origins.size(); ++p)

@@ -339,12 +339,7 @@ void collect_warnings(World& w) {
 void check_places(const World& w) {
   const Discretisation& d = *w.discretisation;
   const std::vector<Vec3> points = d.point_positions();
-  double longest = d.cell_size();  // edge of a cell
-  const Mesh& mesh = d.mesh();
-  for (int cell = 0; cell < mesh.n_cells(); ++cell)
-    for (int k = 1; k < corners_of(mesh.kinds[cell]); ++k)
-      longest = std::max(longest, (mesh.nodes[mesh.cell(cell)[k]] - mesh.nodes[mesh.cell(cell)[k - 1]]).norm());
-  const double reach = 1.5 * longest;
+  const double reach = 1.5 * longest_edge(d.mesh());
   auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
     const bool near = w.comm.any(
         std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
@@ -382,6 +377,14 @@ const char* space_text(Space space) {
 }
 
 }  // namespace
+
+double longest_edge(const Mesh& mesh) {
+  double longest = 0.0;
+  for (int cell = 0; cell < mesh.n_cells(); ++cell)
+    for (int k = 1; k < corners_of(mesh.kinds[cell]); ++k)
+      longest = std::max(longest, (mesh.nodes[mesh.cell(cell)[k]] - mesh.nodes[mesh.cell(cell)[k - 1]]).norm());
+  return longest;
+}
 
 void World::begin_step() {
   discretisation->move_points(spec.parallel.rebalance);

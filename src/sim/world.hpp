@@ -44,6 +44,9 @@ struct World {
   long n_points() const { return comm.sum(long(discretisation->material.size())); }
 };
 
+/// Of the cells: some are much longer than they are wide [m].
+double longest_edge(const Mesh& mesh);
+
 /// Builds everything that the case describes. Throws InputError, the same on all processes.
 std::unique_ptr<World> build_world(Case spec, const Comm& comm = {});
 
