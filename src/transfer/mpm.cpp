@@ -15,8 +15,9 @@ namespace berm {
 namespace {
 
 std::string text_of(const Vec3& x, int dimension) {
-  return dimension == 3 ? fmt::format("({:.9g}, {:.9g}, {:.9g})", x.x(), x.y(), x.z())
-                        : fmt::format("({:.9g}, {:.9g})", x.x(), x.y());
+  const int digits = x.cwiseAbs().maxCoeff() < 1e5 ? 6 : 10;  // of map coordinates
+  return dimension == 3 ? fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", x.x(), digits, x.y(), digits, x.z(), digits)
+                        : fmt::format("({:.{}g}, {:.{}g})", x.x(), digits, x.y(), digits);
 }
 
 /// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, rim, then what the material
