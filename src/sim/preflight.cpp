@@ -317,7 +317,7 @@ void refuse_few_points(const World& w, const MpmDiscretisation& mpm, const std::
 
 /// Held nodes stay where they are in the grid: a body that is pushed or drawn away from a row of them leaves it, and is no
 /// longer held by what its support was. Collective.
-void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, const Mat3& own) {
+void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, const Mat3& own, const std::map<int, Region>& regions) {
   constexpr double flat = 0.5, left = 0.1;  // cells
   constexpr int samples = 100;
   const Case& c = w.spec;
@@ -326,8 +326,13 @@ void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, co
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
   for (const auto& hold : w.boundary->holds(mpm))
     if (hold.boundary == boundary && hold.node >= 0) low = low.cwiseMin(hold.at), high = high.cwiseMax(hold.at);
+  for (int i = 0; i < 3; ++i) low[i] = w.comm.min(low[i]), high[i] = w.comm.max(high[i]);
   for (int i = 0; i < mpm.dimension(); ++i) {
-    const double thickness = w.comm.max(high[i]) - w.comm.min(low[i]);
+    const double thickness = high[i] - low[i];
+    // Within a body there is material to follow that which moves on.
+    const Vec3 middle = 0.5 * (low + high), way = 0.6 * mpm.cell_size() * Vec3::Unit(i);
+    if (std::any_of(regions.begin(), regions.end(), [&](const auto& r) { return r.second.contains(middle + way) && r.second.contains(middle - way); }))
+      continue;
     if (!b.u[i] || b.u[i]->depends_on_place() || !(thickness < flat * mpm.cell_size()) || !own.isIdentity(1e-12)) continue;
     double farthest = 0.0;
     for (int k = 0; k <= samples; ++k) farthest = std::max(farthest, std::abs(b.u[i]->at(c.duration() * k / samples)));
@@ -434,7 +439,7 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
   const std::map<int, Region> regions = regions_of_shapes(c, mpm.cell_size());
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     mpm.halo.copy_to_ghosts(held[b].data(), 1);
-    warn_of_left_nodes(w, mpm, static_cast<int>(b), own);
+    warn_of_left_nodes(w, mpm, static_cast<int>(b), own, regions);
     std::map<int, bool> touches;   // by body that has some of the nodes
     std::map<int, double> nearest;
     for (const Slice& slice : mpm.material.slices) {
