@@ -9,9 +9,7 @@ Region::Region(const Shape& shape, double size) {
     plane_.emplace(*plane);
     return;
   }
-  const SolidShape& solid = std::get<SolidShape>(shape);
-  const auto* file = std::get_if<SurfaceFile>(&solid.form);
-  solid_.emplace(file ? read_stl(*file) : triangulate(solid, size));
+  solid_.emplace(triangulate(std::get<SolidShape>(shape), size));
 }
 
 double Region::measure() const { return plane_ ? plane_->area() : solid_->volume(); }

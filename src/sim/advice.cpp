@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/place_text.hpp"
 #include "bc/case_lookup.hpp"
 
 namespace berm {
 
-std::string place_text(const Case& c, const Vec3& x) {
-  const Vec3 y = c.origin + x;
-  const char* text = c.origin.isZero(0.0) ? "({:.6g})" : "({:.10g})";
-  return fmt::format(fmt::runtime(text), fmt::join(y.data(), y.data() + c.dimension(), ", "));
-}
+std::string place_text(const Case& c, const Vec3& x) { return place_text(c.origin + x, c.dimension()); }
 
 namespace {
 

@@ -67,6 +67,12 @@ double ImplicitStep::dot(const NodalVector& a, const NodalVector& b) const {
 
 double ImplicitStep::norm(const NodalVector& f) const { return std::sqrt(dot(f, f)); }
 
+double ImplicitStep::norm(const std::vector<double>& r) const {
+  double sum = 0.0;
+  for (const double value : r) sum += value * value;
+  return std::sqrt(world_.comm.sum(sum));
+}
+
 int ImplicitStep::n_mine() const { return dimension_ * world_.discretisation->halo.n_owned + (owns_border() ? 1 : 0); }
 
 void ImplicitStep::prepare(Integration integration) {
@@ -435,9 +441,7 @@ bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<do
   std::vector<double> r;
   x = newton.best;
   if (!residual(x, r)) return false;
-  double sum = 0.0;
-  for (const double value : r) sum += value * value;
-  newton.residual = std::sqrt(world_.comm.sum(sum));
+  newton.residual = norm(r);
   newton.converged = newton.residual <= bound;
   return newton.converged;
 }
@@ -506,9 +510,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   std::vector<double> x, r;
   world_.boundary->grid_contact().begin_step(*world_.discretisation);
   if (integration == Integration::implicit && nothing_changes() && residual(std::vector<double>(n_mine(), 0.0), r)) {
-    double sum = 0.0;
-    for (const double value : r) sum += value * value;
-    result.residual = std::sqrt(world_.comm.sum(sum)) / std::max(force_scale_, 1e-300);
+    result.residual = norm(r) / std::max(force_scale_, 1e-300);
     if (result.residual <= rest_tolerance) {
       result.converged = reaches_equilibrium_ = true;
       result.at_rest = result.residual;

@@ -104,6 +104,7 @@ private:
   void scatter(const std::vector<double>& x);
   double gauge_value() const;
   double norm(const NodalVector& f) const;
+  double norm(const std::vector<double>& r) const;  ///< of a residual
   double dot(const NodalVector& a, const NodalVector& b) const;
   bool owns_border() const { return gauge_ >= 0 && world_.comm.rank() + 1 == world_.comm.size(); }
   int n_mine() const;

@@ -209,10 +209,9 @@ void Watch::look_for_smeared_cracks() {
   std::map<std::array<long, 3>, Box> boxes;
   for (int p = 0; p < m.size(); ++p) {
     if (released[p] < little) continue;
-    const Voigt& e = m.strain[p];
-    Mat3 strain;
-    strain << e[XX], 0.5 * e[XY], 0.5 * e[ZX], 0.5 * e[XY], e[YY], 0.5 * e[YZ], 0.5 * e[ZX], 0.5 * e[YZ], e[ZZ];
-    const Eigen::SelfAdjointEigenSolver<Mat3> principal(strain);
+    Voigt strain = m.strain[p];
+    for (const int shear : {XY, YZ, ZX}) strain[shear] *= 0.5;
+    const Eigen::SelfAdjointEigenSolver<Mat3> principal(response_detail::tensor(strain));
     if (principal.eigenvalues()[2] < -principal.eigenvalues()[0]) continue;  // crushed
     Box& box = boxes[{std::lround(std::floor(X[p].x() / h)), std::lround(std::floor(X[p].y() / h)), std::lround(std::floor(X[p].z() / h))}];
     box.energy += released[p] * m.volume[p];

@@ -7,18 +7,13 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/place_text.hpp"
 #include "method/crack_band.hpp"
 #include "method/depth.hpp"
 #include "mesh/cell_map.hpp"
 
 namespace berm {
 namespace {
-
-std::string text_of(const Vec3& x, int dimension) {
-  const int digits = x.cwiseAbs().maxCoeff() < 1e5 ? 6 : 10;  // of map coordinates
-  return dimension == 3 ? fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", x.x(), digits, x.y(), digits, x.z(), digits)
-                        : fmt::format("({:.{}g}, {:.{}g})", x.x(), digits, x.y(), digits);
-}
 
 /// A point's row: id, X, x, u, v, a, C, mass, measure, home, shift, stretch, edges, rim, then what the material
 /// keeps.
@@ -84,7 +79,7 @@ void MpmDiscretisation::add_body(int body, const std::string& name, const Materi
       throw InputError(
           fmt::format("body \"{}\": a material point at {} lies outside the background grid: make the grid larger or "
                       "move the body",
-                      name, text_of(origin_ + x, dimension())));
+                      name, place_text(origin_ + x, dimension())));
     const double l = crack_band_length(spec, grid_.mesh, cell);
     const std::string problem = std::visit([&](const auto& law) { return law.check(l); }, spec.law);
     if (!problem.empty()) throw InputError(fmt::format("body \"{}\", material \"{}\": {}", name, spec.name, problem));
@@ -200,12 +195,12 @@ void MpmDiscretisation::find_cells() {
       cell_[p] = grid_.locator->locate(total_lagrangian_ ? X_[p] : x_[p], cell_[p]);
       if (cell_[p] < 0 && space_ == Space::axisymmetric && x_[p].x() <= 0.0)
         throw RunError(fmt::format("material point {} has crossed the axis of symmetry at {}: take smaller steps, or cells", id_[p],
-                                   text_of(origin_ + x_[p], dimension())));
+                                   place_text(origin_ + x_[p], dimension())));
       if (cell_[p] < 0)
         throw RunError(
             fmt::format("material point {} has left the background grid at {}: make the grid larger, or stop the run "
                         "earlier",
-                        id_[p], text_of(origin_ + x_[p], dimension())));
+                        id_[p], place_text(origin_ + x_[p], dimension())));
     }
   });
 }
@@ -275,7 +270,7 @@ int MpmDiscretisation::locate(Anchor& a) const {
   }
   if (a.cell < 0)
     throw RunError(fmt::format("a surface point has left the background grid at {}: make the grid larger",
-                               text_of(origin_ + a.x, dimension())));
+                               place_text(origin_ + a.x, dimension())));
   return owner_of_cell(a.cell);
 }
 
@@ -520,7 +515,7 @@ void MpmDiscretisation::commit(const NodalVector& du, const std::vector<Anchor*>
         const double J = material.F[p].determinant();
         if (!(J > 0.0) || !std::isfinite(J))
           throw RunError(fmt::format("material point {} at {} is turned inside out (det F = {:.3g}): take smaller steps",
-                                     id_[p], text_of(origin_ + x_[p], d), J));
+                                     id_[p], place_text(origin_ + x_[p], d), J));
       }
     }
   });

@@ -15,14 +15,17 @@
 namespace berm::verify {
 namespace {
 
-const std::string block = R"(
-grid = { origin = [-0.2, 0.0], cell_size = 0.1, cells = [14, 16] }
+const std::string soft = R"(
 [material.m]
 law = "linear_elastic"
 density = 1000.0
 youngs_modulus = 1e6
 poisson_ratio = 0.3
-[body.b]
+)";
+
+const std::string block = R"(
+grid = { origin = [-0.2, 0.0], cell_size = 0.1, cells = [14, 16] }
+)" + soft + R"([body.b]
 material = "m"
 shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
 mesh = { kind = "quads", size = 0.1, structured = true }
@@ -259,13 +262,7 @@ TEST(Start, RigidBodyThatIsDisplacedFromTheStart) {
 std::string shifted(double x, double y, const std::string& method) {
   const auto pair = [&](double a, double b) { return fmt::format("[{:.17g}, {:.17g}]", x + a, y + b); };
   return fmt::format("method = \"{}\"\nmodel = {{ kinematics = \"finite\", gravity = [0.0, \"-9.81*t*(1 + 0*t)\"] }}\n", method) +
-         "grid = { origin = " + pair(-0.015, -0.005) + ", cell_size = 0.005, cells = [26, 26] }\n" + R"(
-[material.m]
-law = "linear_elastic"
-density = 1000.0
-youngs_modulus = 1e6
-poisson_ratio = 0.3
-[body.b]
+         "grid = { origin = " + pair(-0.015, -0.005) + ", cell_size = 0.005, cells = [26, 26] }\n" + soft + R"([body.b]
 material = "m"
 mesh = { kind = "triangles", size = 0.01 }
 shape.difference = [ { polygon = [)" +
@@ -296,9 +293,8 @@ TEST(FarFromTheOrigin, SurfacesFromFiles) {
   for (const double far : {0.0, 5e5}) {
     cube(far, 2.0 * far);
     const auto w = build_world(case_of(fmt::format("model.dimension = 3\ngrid = {{ kind = \"hexahedra\", origin = [{0}, {1}, -0.1], cell_size = 0.1, cells = [6, 6, 6] "
-                                                   "}}\n[material.m]\nlaw = \"linear_elastic\"\ndensity = 1000.0\nyoungs_modulus = 1e6\npoisson_ratio = 0.3\n[body.b]\nmaterial "
-                                                   "= \"m\"\nshape.surface = \"{2}\"\n[steps]\ncount = 1\n",
-                                                   far - 0.1, 2.0 * far - 0.1, file)));
+                                                   "}}\n{3}[body.b]\nmaterial = \"m\"\nshape.surface = \"{2}\"\n[steps]\ncount = 1\n",
+                                                   far - 0.1, 2.0 * far - 0.1, file, soft)));
     EXPECT_NEAR(w->bodies[0].measure, 0.064, 1e-9) << far;
     EXPECT_EQ(w->bodies[0].points, 512) << far;
   }

@@ -1,4 +1,4 @@
-#include "sim/preflight.hpp"
+/// What holds the bodies at the start: nothing, nodes beside them, or too few points.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,156 +6,16 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <map>
-#include <numeric>
 #include <set>
-#include <unordered_map>
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "sim/advice.hpp"
+#include "sim/preflight.hpp"
+#include "sim/preflight_parts.hpp"
 
 namespace berm {
 namespace {
-
-/// Sets that grow together.
-class Groups {
-public:
-  explicit Groups(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int of(int k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-  void join(int a, int b) { parent_[of(a)] = of(b); }
-
-private:
-  std::vector<int> parent_;
-};
-
-std::map<int, Region> regions_of_shapes(const Case& c, double size) {
-  std::map<int, Region> regions;
-  for (std::size_t b = 0; b < c.bodies.size(); ++b)
-    if (c.bodies[b].shape) regions.try_emplace(static_cast<int>(b), *c.bodies[b].shape, size);
-  return regions;
-}
-
-/// What of a body lies inside of a region.
-struct Inside {
-  double depth = 0.0;    ///< of the deepest place [m]
-  double measure = 0.0;  ///< of the points [m2] or [m3]
-  Vec3 at = Vec3::Zero();
-};
-
-Inside part_inside(const Region& region, int body, const BuiltBodies& built) {
-  Inside in;
-  const Vec3 low = region.min(), high = region.max();
-  const int d = region.dimension();
-  const auto look = [&](const Vec3& x, double measure) {
-    if ((x.head(d).array() < low.head(d).array()).any() || (x.head(d).array() > high.head(d).array()).any()) return;
-    const double depth = -region.nearest(x).distance;
-    if (depth <= 0.0) return;
-    in.measure += measure;
-    if (depth > in.depth) in.depth = depth, in.at = x;
-  };
-  for (std::size_t p = 0; p < built.places[body].size(); ++p) look(built.places[body][p], built.measures[body][p]);
-  for (const SurfacePoint& s : built.surface)
-    if (s.body == body) look(s.X, 0.0);
-  return in;
-}
-
-/// Contact that keeps the two apart in the first stage, or null.
-const Contact* unilateral_contact(const Case& c, const std::string& body, const std::string& rigid) {
-  using enum Contact::Kind;
-  const std::string first = c.stages.front().name;
-  for (const Contact& k : c.contacts)
-    if (k.body == body && k.rigid == rigid && acts_in(k.stages, first) && k.kind != tie && k.kind != shared_nodes) return &k;
-  return nullptr;
-}
-
-/// A place where two sides of a gap see a common node.
-struct Glue {
-  int piece, other;
-  double width;
-};
-
-/// Sides of gaps turn towards each other: the angle between their normals and the way across is less than 37 degrees.
-bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) {
-  constexpr double facing = 0.8, closed = 1e-6;
-  const Vec3 way = t.X - s.X;
-  const double length = way.norm();
-  return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;
-}
-
-/// A piece at which another body of its layer begins has no gap before it.
-bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
-  constexpr double touching = 0.1, opposite = -0.7;
-  const Vec3 way = t.X - s.X;
-  const double apart = way.dot(s.normal);
-  return t.body != s.body && s.normal.dot(t.normal) < opposite && std::abs(apart) <= touching * size &&
-         (way - apart * s.normal).norm() <= s.size + t.size;
-}
-
-/// Whether some of the pieces may face each other: not where all normals lie in a cone, as on a face or an edge of a body.
-bool may_face(const std::vector<int>& pieces, const std::vector<SurfacePoint>& surface) {
-  constexpr double cone = 0.61;  // cosine of half of the 106 degrees that normals of facing pieces are apart at least
-  Vec3 mean = Vec3::Zero();
-  for (const int k : pieces) mean += surface[k].normal;
-  const double bound = cone * mean.norm();
-  return std::any_of(pieces.begin(), pieces.end(), [&](int k) { return surface[k].normal.dot(mean) <= bound; });
-}
-
-std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>& layers, const std::vector<SurfacePoint>& surface,
-                            Groups& groups) {
-  std::unordered_map<int, std::vector<int>> pieces_of_node;
-  for (std::size_t k = 0; k < surface.size(); ++k) {
-    const int cell = mpm.grid().locator->locate(surface[k].X - 1e-6 * mpm.cell_size() * surface[k].normal, -1);
-    if (cell < 0) continue;  // who needs it there will say so
-    for (const int node : mpm.nodes_of(cell)) pieces_of_node[node].push_back(static_cast<int>(k));
-  }
-  std::erase_if(pieces_of_node, [&](const auto& entry) { return !may_face(entry.second, surface); });
-  const double h = mpm.cell_size();
-  std::vector<char> covered(surface.size(), 0);
-  for (const auto& [node, pieces] : pieces_of_node)
-    for (const int k : pieces)
-      for (const int other : pieces) covered[k] |= layers[surface[k].body] == layers[surface[other].body] && is_covered_by(surface[k], surface[other], h);
-  std::vector<Glue> found;
-  for (const auto& [node, pieces] : pieces_of_node) {
-    int first = -1;  // glued piece at this node
-    for (const int k : pieces)
-      for (const int other : pieces) {
-        const SurfacePoint &s = surface[k], &t = surface[other];
-        if (other <= k || layers[s.body] != layers[t.body] || covered[k] || covered[other] || !face_each_other(s, t, h)) continue;
-        found.push_back({k, other, std::max((t.X - s.X).dot(s.normal), (s.X - t.X).dot(t.normal))});
-        if (first < 0) first = k;
-        groups.join(k, first), groups.join(other, first);
-      }
-  }
-  return found;
-}
-
-/// A gap that the grid does not see.
-struct Gap {
-  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  double width = infinity;
-  int piece = -1, other = -1;  ///< where it is narrowest
-};
-
-std::string cells_text(const MpmDiscretisation& mpm) {
-  const StructuredGrid* grid = mpm.grid().structure.get();
-  if (!grid || (grid->cell_size.head(mpm.dimension()).array() == grid->cell_size.x()).all()) return fmt::format("{:.4g} m", mpm.cell_size());
-  return fmt::format("{:.4g} m", fmt::join(grid->cell_size.data(), grid->cell_size.data() + mpm.dimension(), " x "));
-}
-
-std::string gap_text(const Case& c, const MpmDiscretisation& mpm, const Gap& gap, const std::vector<SurfacePoint>& surface) {
-  const SurfacePoint &s = surface[gap.piece], &t = surface[gap.other];
-  const std::string &a = c.bodies[s.body].name, &b = c.bodies[t.body].name;
-  const std::string where = s.body == t.body ? fmt::format("in body \"{}\"", a) : fmt::format("between \"{}\" and \"{}\"", a, b);
-  const char* contact = s.body == t.body ? "" : ", give the two a [contact.NAME]";
-  return fmt::format(
-      "the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m. Let {} "
-      "whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true",
-      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm(), mpm.degree(),
-      mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), contact);
-}
 
 /// Motions of a rigid body that the space allows: displacements at x, seen from a centre, over the size of the body.
 using Motion = Eigen::Matrix<double, 6, 1>;
@@ -181,6 +41,10 @@ struct Assembly {
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   Vec3 centre() const { return 0.5 * (low + high); }
   double size() const { return std::max((high - low).norm(), 1e-300); }
+  void hold(Space space, const Vec3& at, const Vec3& direction) {
+    const Motion m = motion_along(space, direction, (at - centre()) / size());
+    held += m * m.transpose();
+  }
 };
 
 /// What the assembly can do freely, in words; empty: nothing.
@@ -260,11 +124,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::v
     if (hold.body >= 0) bodies.insert(groups.of(hold.body));
     for (std::size_t b = 0; hold.node >= 0 && b < share.size(); ++b)
       if (!share[b].empty() && share[b][hold.node] > 0.0) bodies.insert(groups.of(static_cast<int>(b)));
-    for (const int root : bodies) {
-      Assembly& a = assemblies[root];
-      const Motion m = motion_along(c.space, hold.direction, (hold.at - a.centre()) / a.size());
-      a.held += m * m.transpose();
-    }
+    for (const int root : bodies) assemblies[root].hold(c.space, hold.at, hold.direction);
   }
   // Without friction bodies hold each other along the normal alone.
   for (const Interface& at : d.interfaces())
@@ -272,11 +132,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::v
       if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, c.stages.front().name)) continue;
       const int first = body_index(c, k.body), second = body_index(c, k.other);
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
-      for (const int body : {first, second}) {
-        Assembly& a = assemblies[groups.of(body)];
-        const Motion m = motion_along(c.space, at.normal, (d.nodes[at.a] - a.centre()) / a.size());
-        a.held += m * m.transpose();
-      }
+      for (const int body : {first, second}) assemblies[groups.of(body)].hold(c.space, d.nodes[at.a], at.normal);
     }
   for (auto& [root, a] : assemblies) w.comm.sum(std::span<double>(a.held.data(), 36));
   return assemblies;
@@ -317,23 +173,24 @@ void refuse_few_points(const World& w, const MpmDiscretisation& mpm, const std::
 
 /// Held nodes stay where they are in the grid: a body that is pushed or drawn away from a row of them leaves it, and is no
 /// longer held by what its support was. Collective.
-void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, const Mat3& own, const std::map<int, Region>& regions) {
+void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, const std::vector<BoundaryConditions::Hold>& holds, const Mat3& own,
+                        const std::map<int, Region>& regions) {
   constexpr double flat = 0.5, left = 0.1;  // cells
   constexpr int samples = 100;
   const Case& c = w.spec;
   const NodeBoundary& b = c.boundaries[boundary];
   if (!b.body.empty() || !moves_through_grid(c)) return;
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  for (const auto& hold : w.boundary->holds(mpm))
+  for (const auto& hold : holds)
     if (hold.boundary == boundary && hold.node >= 0) low = low.cwiseMin(hold.at), high = high.cwiseMax(hold.at);
   for (int i = 0; i < 3; ++i) low[i] = w.comm.min(low[i]), high[i] = w.comm.max(high[i]);
   for (int i = 0; i < mpm.dimension(); ++i) {
     const double thickness = high[i] - low[i];
+    if (!b.u[i] || b.u[i]->depends_on_place() || !(thickness < flat * mpm.cell_size()) || !own.isIdentity(1e-12)) continue;
     // Within a body there is material to follow that which moves on.
     const Vec3 middle = 0.5 * (low + high), way = 0.6 * mpm.cell_size() * Vec3::Unit(i);
     if (std::any_of(regions.begin(), regions.end(), [&](const auto& r) { return r.second.contains(middle + way) && r.second.contains(middle - way); }))
       continue;
-    if (!b.u[i] || b.u[i]->depends_on_place() || !(thickness < flat * mpm.cell_size()) || !own.isIdentity(1e-12)) continue;
     double farthest = 0.0;
     for (int k = 0; k <= samples; ++k) farthest = std::max(farthest, std::abs(b.u[i]->at(c.duration() * k / samples)));
     if (farthest <= left * mpm.cell_size()) continue;
@@ -378,53 +235,6 @@ double distance_to_held(const MpmDiscretisation& mpm, const Slice& slice, const 
 
 }  // namespace
 
-void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
-  // Chords of a mesh lie inside of an arc by less; what is thinner than a part of a cell is a touch.
-  constexpr double thin = 0.1, thin_rigid = 0.05;
-  const std::map<int, Region> regions = regions_of_shapes(c, size);
-  const int n = static_cast<int>(c.bodies.size()), d = c.dimension();
-  for (int a = 0; a < n; ++a)
-    for (const auto& [b, region] : regions) {
-      if (a == b || c.bodies[a].rigid) continue;
-      const std::string &first = c.bodies[a].name, &second = c.bodies[b].name;
-      const Contact* contact = c.bodies[b].rigid ? unilateral_contact(c, first, second) : nullptr;
-      if (c.bodies[b].rigid && !contact) continue;
-      const Inside in = part_inside(region, a, built);
-      if (in.depth <= (contact ? thin_rigid : thin) * size) continue;
-      const std::string amount = in.measure > 0.0 ? fmt::format("{:.4g} {}", in.measure, d == 3 ? "m3" : "m2") : fmt::format("{:.4g} m", in.depth);
-      if (contact)
-        throw InputError(fmt::format(
-            "[contact.{}]: {} of body \"{}\" lies inside of rigid body \"{}\", {:.4g} m deep at {}: let it start where it touches "
-            "the surface, or take its place out of the body (shape.difference)",
-            contact->name, amount, first, second, in.depth, place_text(c, in.at)));
-      throw InputError(fmt::format("bodies \"{}\" and \"{}\" overlap: {} near {} belongs to both. Make their shapes disjoint "
-                                   "(shape.difference)",
-                                   std::min(first, second), std::max(first, second), amount, place_text(c, in.at)));
-    }
-}
-
-void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
-  const double tip = (mpm.degree() + 2) * mpm.cell_size();  // at the end of a notch its sides meet anyway
-  Groups groups(surface.size());
-  const std::vector<Glue> glue = find_glue(mpm, w.layers, surface, groups);
-  std::map<int, Gap> gaps;
-  for (const Glue& g : glue) {
-    Gap& gap = gaps[groups.of(g.piece)];
-    for (const int k : {g.piece, g.other}) gap.low = gap.low.cwiseMin(surface[k].X), gap.high = gap.high.cwiseMax(surface[k].X);
-    if (g.width < gap.width) gap.width = g.width, gap.piece = g.piece, gap.other = g.other;
-  }
-  for (const auto& [root, gap] : gaps) {
-    const int first = surface[gap.piece].body, second = surface[gap.other].body;
-    const bool joined = first == second || std::any_of(w.joints.begin(), w.joints.end(), [&](const Joint& j) {
-      return std::minmax(j.body, j.other) == std::minmax(first, second);
-    });
-    if (joined && (gap.high - gap.low).norm() <= tip) continue;
-    const std::string text = gap_text(w.spec, mpm, gap, surface);
-    if (!w.spec.allow_glued) throw InputError(text);
-    w.spec.warnings.push_back(text.substr(0, text.find(". Let ")));
-  }
-}
-
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
   const Case& c = w.spec;
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
@@ -433,13 +243,14 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
   const Mat3 own = grid ? Mat3(Eigen::AngleAxisd(-grid->angle, Vec3::UnitZ()).toRotationMatrix()) : Mat3(Mat3::Identity());
   std::vector<std::vector<char>> held(c.boundaries.size());
   for (auto& nodes : held) nodes.assign(mpm.n_nodes(), 0);
-  for (const auto& hold : w.boundary->holds(mpm))
+  const std::vector<BoundaryConditions::Hold> holds = w.boundary->holds(mpm);
+  for (const auto& hold : holds)
     if (hold.node >= 0 && hold.boundary >= 0) held[hold.boundary][hold.node] = 1;
   const std::vector<Vec3> points = mpm.point_positions();
   const std::map<int, Region> regions = regions_of_shapes(c, mpm.cell_size());
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     mpm.halo.copy_to_ghosts(held[b].data(), 1);
-    warn_of_left_nodes(w, mpm, static_cast<int>(b), own, regions);
+    warn_of_left_nodes(w, mpm, static_cast<int>(b), holds, own, regions);
     std::map<int, bool> touches;   // by body that has some of the nodes
     std::map<int, double> nearest;
     for (const Slice& slice : mpm.material.slices) {

@@ -1,0 +1,187 @@
+/// Bodies in one place, and gaps that the grid does not see.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <unordered_map>
+
+#include "base/error.hpp"
+#include "bc/case_lookup.hpp"
+#include "sim/advice.hpp"
+#include "sim/preflight.hpp"
+#include "sim/preflight_parts.hpp"
+
+namespace berm {
+namespace {
+
+/// What of a body lies inside of a region.
+struct Inside {
+  double depth = 0.0;    ///< of the deepest place [m]
+  double measure = 0.0;  ///< of the points [m2] or [m3]
+  Vec3 at = Vec3::Zero();
+};
+
+Inside part_inside(const Region& region, int body, const BuiltBodies& built) {
+  Inside in;
+  const Vec3 low = region.min(), high = region.max();
+  const int d = region.dimension();
+  const auto look = [&](const Vec3& x, double measure) {
+    if ((x.head(d).array() < low.head(d).array()).any() || (x.head(d).array() > high.head(d).array()).any()) return;
+    const double depth = -region.nearest(x).distance;
+    if (depth <= 0.0) return;
+    in.measure += measure;
+    if (depth > in.depth) in.depth = depth, in.at = x;
+  };
+  for (std::size_t p = 0; p < built.places[body].size(); ++p) look(built.places[body][p], built.measures[body][p]);
+  for (const SurfacePoint& s : built.surface)
+    if (s.body == body) look(s.X, 0.0);
+  return in;
+}
+
+/// Contact that keeps the two apart in the first stage, or null.
+const Contact* unilateral_contact(const Case& c, const std::string& body, const std::string& rigid) {
+  using enum Contact::Kind;
+  const std::string first = c.stages.front().name;
+  for (const Contact& k : c.contacts)
+    if (k.body == body && k.rigid == rigid && acts_in(k.stages, first) && k.kind != tie && k.kind != shared_nodes) return &k;
+  return nullptr;
+}
+
+/// A place where two sides of a gap see a common node.
+struct Glue {
+  int piece, other;
+  double width;
+};
+
+/// Sides of gaps turn towards each other: the angle between their normals and the way across is less than 37 degrees.
+bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) {
+  constexpr double facing = 0.8, closed = 1e-6;
+  const Vec3 way = t.X - s.X;
+  const double length = way.norm();
+  return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;
+}
+
+/// A piece at which another body of its layer begins has no gap before it.
+bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
+  constexpr double touching = 0.1, opposite = -0.7;
+  const Vec3 way = t.X - s.X;
+  const double apart = way.dot(s.normal);
+  return t.body != s.body && s.normal.dot(t.normal) < opposite && std::abs(apart) <= touching * size &&
+         (way - apart * s.normal).norm() <= s.size + t.size;
+}
+
+/// Whether some of the pieces may face each other: not where all normals lie in a cone, as on a face or an edge of a body.
+bool may_face(const std::vector<int>& pieces, const std::vector<SurfacePoint>& surface) {
+  constexpr double cone = 0.61;  // cosine of half of the 106 degrees that normals of facing pieces are apart at least
+  Vec3 mean = Vec3::Zero();
+  for (const int k : pieces) mean += surface[k].normal;
+  const double bound = cone * mean.norm();
+  return std::any_of(pieces.begin(), pieces.end(), [&](int k) { return surface[k].normal.dot(mean) <= bound; });
+}
+
+std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>& layers, const std::vector<SurfacePoint>& surface,
+                            Groups& groups) {
+  std::unordered_map<int, std::vector<int>> pieces_of_node;
+  for (std::size_t k = 0; k < surface.size(); ++k) {
+    const int cell = mpm.grid().locator->locate(surface[k].X - 1e-6 * mpm.cell_size() * surface[k].normal, -1);
+    if (cell < 0) continue;  // who needs it there will say so
+    for (const int node : mpm.nodes_of(cell)) pieces_of_node[node].push_back(static_cast<int>(k));
+  }
+  std::erase_if(pieces_of_node, [&](const auto& entry) { return !may_face(entry.second, surface); });
+  const double h = mpm.cell_size();
+  std::vector<char> covered(surface.size(), 0);
+  for (const auto& [node, pieces] : pieces_of_node)
+    for (const int k : pieces)
+      for (const int other : pieces) covered[k] |= layers[surface[k].body] == layers[surface[other].body] && is_covered_by(surface[k], surface[other], h);
+  std::vector<Glue> found;
+  for (const auto& [node, pieces] : pieces_of_node) {
+    int first = -1;  // glued piece at this node
+    for (const int k : pieces)
+      for (const int other : pieces) {
+        const SurfacePoint &s = surface[k], &t = surface[other];
+        if (other <= k || layers[s.body] != layers[t.body] || covered[k] || covered[other] || !face_each_other(s, t, h)) continue;
+        found.push_back({k, other, std::max((t.X - s.X).dot(s.normal), (s.X - t.X).dot(t.normal))});
+        if (first < 0) first = k;
+        groups.join(k, first), groups.join(other, first);
+      }
+  }
+  return found;
+}
+
+/// A gap that the grid does not see.
+struct Gap {
+  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
+  double width = infinity;
+  int piece = -1, other = -1;  ///< where it is narrowest
+};
+
+std::string cells_text(const MpmDiscretisation& mpm) {
+  const StructuredGrid* grid = mpm.grid().structure.get();
+  if (!grid || (grid->cell_size.head(mpm.dimension()).array() == grid->cell_size.x()).all()) return fmt::format("{:.4g} m", mpm.cell_size());
+  return fmt::format("{:.4g} m", fmt::join(grid->cell_size.data(), grid->cell_size.data() + mpm.dimension(), " x "));
+}
+
+std::string gap_text(const Case& c, const MpmDiscretisation& mpm, const Gap& gap, const std::vector<SurfacePoint>& surface) {
+  const SurfacePoint &s = surface[gap.piece], &t = surface[gap.other];
+  const std::string &a = c.bodies[s.body].name, &b = c.bodies[t.body].name;
+  const std::string where = s.body == t.body ? fmt::format("in body \"{}\"", a) : fmt::format("between \"{}\" and \"{}\"", a, b);
+  const char* contact = s.body == t.body ? "" : ", give the two a [contact.NAME]";
+  return fmt::format(
+      "the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m. Let {} "
+      "whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true",
+      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm(), mpm.degree(),
+      mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), contact);
+}
+
+}  // namespace
+
+void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
+  // Chords of a mesh lie inside of an arc by less; what is thinner than a part of a cell is a touch.
+  constexpr double thin = 0.1, thin_rigid = 0.05;
+  if (c.bodies.size() < 2) return;
+  const std::map<int, Region> regions = regions_of_shapes(c, size);
+  const int n = static_cast<int>(c.bodies.size()), d = c.dimension();
+  for (int a = 0; a < n; ++a)
+    for (const auto& [b, region] : regions) {
+      if (a == b || c.bodies[a].rigid) continue;
+      const std::string &first = c.bodies[a].name, &second = c.bodies[b].name;
+      const Contact* contact = c.bodies[b].rigid ? unilateral_contact(c, first, second) : nullptr;
+      if (c.bodies[b].rigid && !contact) continue;
+      const Inside in = part_inside(region, a, built);
+      if (in.depth <= (contact ? thin_rigid : thin) * size) continue;
+      const std::string amount = in.measure > 0.0 ? fmt::format("{:.4g} {}", in.measure, d == 3 ? "m3" : "m2") : fmt::format("{:.4g} m", in.depth);
+      if (contact)
+        throw InputError(fmt::format(
+            "[contact.{}]: {} of body \"{}\" lies inside of rigid body \"{}\", {:.4g} m deep at {}: let it start where it touches "
+            "the surface, or take its place out of the body (shape.difference)",
+            contact->name, amount, first, second, in.depth, place_text(c, in.at)));
+      throw InputError(fmt::format("bodies \"{}\" and \"{}\" overlap: {} near {} belongs to both. Make their shapes disjoint "
+                                   "(shape.difference)",
+                                   std::min(first, second), std::max(first, second), amount, place_text(c, in.at)));
+    }
+}
+
+void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
+  const double tip = (mpm.degree() + 2) * mpm.cell_size();  // at the end of a notch its sides meet anyway
+  Groups groups(surface.size());
+  const std::vector<Glue> glue = find_glue(mpm, w.layers, surface, groups);
+  std::map<int, Gap> gaps;
+  for (const Glue& g : glue) {
+    Gap& gap = gaps[groups.of(g.piece)];
+    for (const int k : {g.piece, g.other}) gap.low = gap.low.cwiseMin(surface[k].X), gap.high = gap.high.cwiseMax(surface[k].X);
+    if (g.width < gap.width) gap.width = g.width, gap.piece = g.piece, gap.other = g.other;
+  }
+  for (const auto& [root, gap] : gaps) {
+    const int first = surface[gap.piece].body, second = surface[gap.other].body;
+    const bool joined = first == second || std::any_of(w.joints.begin(), w.joints.end(), [&](const Joint& j) {
+      return std::minmax(j.body, j.other) == std::minmax(first, second);
+    });
+    if (joined && (gap.high - gap.low).norm() <= tip) continue;
+    const std::string text = gap_text(w.spec, mpm, gap, surface);
+    if (!w.spec.allow_glued) throw InputError(text);
+    w.spec.warnings.push_back(text.substr(0, text.find(". Let ")));
+  }
+}
+
+}  // namespace berm
