@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
 #include "bc/travel.hpp"
 
@@ -25,12 +26,14 @@ BoundaryConditions::BoundaryConditions(const Case& c, const Discretisation& d, c
       cell_size_(d.cell_size()),
       rigid_offset_(c.bodies.size(), Vec3::Zero()),
       ties_(c, joints, d.cell_size(), d.comm()) {
-  read_boundaries(c, d);
-  read_pressures(c, surface);
-  read_absorbing(c, surface);
-  read_held_surfaces(c, surface);
-  read_contacts(c, d, surface);
-  read_pins_and_gauges(c, d);
+  Findings found;
+  found.look([&] { read_boundaries(c, d); });
+  found.look([&] { read_pressures(c, surface); });
+  found.look([&] { read_absorbing(c, surface); });
+  found.look([&] { read_held_surfaces(c, surface); });
+  found.look([&] { read_contacts(c, d, surface); });
+  found.look([&] { read_pins_and_gauges(c, d); });
+  found.throw_if_any();
   boundaries_at_.clear();
   begin_stage(c.stages.empty() ? "" : c.stages.front().name);
   if (comm_.is_root()) return;

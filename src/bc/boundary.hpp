@@ -76,7 +76,15 @@ public:
   Reactions reactions(const NodalVector& du, double t0, double t1, const NodalVector& residual) const;
   /// Work of the supports and rigid bodies of the stage in the step, by the trapezoidal rule [J].   [formulation (21)]
   double support_work(const Reactions& before, const Reactions& now, double t0, double t1) const;
-  /// Total force of every pressure at that time on the surface as du has moved it [N]. Collective.
+  /// Sums over the surface of a pressure.
+  struct LoadSum {
+    long points = 0;
+    double area = 0.0;  ///< on which it acts in the reference state [m2]
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  ///< [N], about the origin of coordinates [N m]
+  };
+  /// Of every pressure at that time on the surface as du has moved it. Collective.
+  std::vector<LoadSum> load_sums(double time, const NodalVector& du) const;
+  /// Their forces alone [N]. Collective.
   std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
   /// What contact with friction takes in the step, of all processes. Collective.
   ContactWork contact_work(const NodalVector& du, double t0, double t1) const;
@@ -147,6 +155,7 @@ private:
   };
 
   void read_boundaries(const Case& c, const Discretisation& d);
+  void read_boundary(int boundary, double stiffness, const Case& c, const Discretisation& d);
   void prescribe(int node, const Vec3& at, int component, int boundary);
   /// Prescribed nodes among the local ones.
   void find_prescribed(const Discretisation& d);
@@ -167,6 +176,7 @@ private:
   /// A force on the body at an anchor, which resists with that stiffness.
   void add_at(const Anchor& a, const Vec3& force, const Mat3& stiffness, NodalVector& f, BlockAssembler* matrix) const;
   void read_contacts(const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
+  void read_contact(int contact, const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface);
   void add_rigid_points(const Case& c, int contact, const Region& region, const Discretisation& d);
   void read_pins_and_gauges(const Case& c, const Discretisation& d);
   void share_nodes(const Discretisation& d);

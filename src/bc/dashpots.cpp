@@ -1,14 +1,18 @@
 /// Absorbing boundaries.
+#include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
 namespace berm {
 
 void BoundaryConditions::read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface) {
+  Findings found;
   for (std::size_t k = 0; k < c.absorbing.size(); ++k) {
     const Absorbing& spec = c.absorbing[k];
     const int body = body_index(c, spec.body);
-    for (const auto& [s, share] : caught_surface("absorbing." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
+    std::vector<SurfacePart> parts;
+    found.look([&] { parts = caught_surface("absorbing." + spec.name, spec.where, body, spec.body, surface, dimension_); });
+    for (const auto& [s, share] : parts) {
       const Mat3 nn = s.normal * s.normal.transpose();
       DashpotPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
@@ -19,6 +23,7 @@ void BoundaryConditions::read_absorbing(const Case& c, const std::vector<Surface
       dashpots_.push_back(point);
     }
   }
+  found.throw_if_any();
 }
 
 /// t = -rho (c_p n n + c_s (1 - n n)) v   [boundaries (13)]

@@ -5,7 +5,7 @@
 #include <map>
 #include <span>
 
-#include "base/error.hpp"
+#include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 #include "bc/parted_supports.hpp"
@@ -42,12 +42,17 @@ void BoundaryConditions::refuse_disagreement(const NodeBoundary& spec, const Nod
 }
 
 void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface) {
+  Findings found;
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
     if (spec.body.empty()) continue;
     const int body = body_index(c, spec.body);
-    for (const NodeBoundary& first : std::span(c.boundaries).first(b)) refuse_disagreement(spec, first, surface);
-    for (const auto& [s, share] : caught_surface("boundary." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
+    std::vector<SurfacePart> parts;
+    found.look([&] {
+      for (const NodeBoundary& first : std::span(c.boundaries).first(b)) refuse_disagreement(spec, first, surface);
+      parts = caught_surface("boundary." + spec.name, spec.where, body, spec.body, surface, dimension_);
+    });
+    for (const auto& [s, share] : parts) {
       HeldPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(held_.size());
@@ -58,6 +63,7 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       held_.push_back(point);
     }
   }
+  found.throw_if_any();
   const int taken = part_supports(held_, cell_size_, [&](const HeldPoint& p, const HeldPoint& q) {
     const NodeBoundary &a = c.boundaries[p.boundary], &b = c.boundaries[q.boundary];
     const bool crossing = p.slides && q.slides && std::abs(p.normal.dot(q.normal)) < 0.9;  // a corner of sliding walls

@@ -1,14 +1,20 @@
 /// Pressures and tractions on surfaces.
+#include <cmath>
+
+#include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 
 namespace berm {
 
 void BoundaryConditions::read_pressures(const Case& c, const std::vector<SurfacePoint>& surface) {
+  Findings found;
   for (std::size_t k = 0; k < c.pressures.size(); ++k) {
     const Pressure& spec = c.pressures[k];
     const int body = body_index(c, spec.body);
-    for (const auto& [s, share] : caught_surface("pressure." + spec.name, spec.where, body, spec.body, surface, dimension_)) {
+    std::vector<SurfacePart> parts;
+    found.look([&] { parts = caught_surface("pressure." + spec.name, spec.where, body, spec.body, surface, dimension_); });
+    for (const auto& [s, share] : parts) {
       PressurePoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(pressures_.size());
@@ -17,6 +23,7 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
       pressures_.push_back(point);
     }
   }
+  found.throw_if_any();
 }
 
 bool BoundaryConditions::follows(const Pressure& spec) const {
@@ -84,15 +91,27 @@ void BoundaryConditions::add_pressure_matrix(const PressurePoint& point, double 
   matrix.add(point.anchor.block, K.data());
 }
 
-std::vector<Vec3> BoundaryConditions::pressure_forces(double time, const NodalVector& du) const {
-  std::vector<double> sums(3 * case_.pressures.size(), 0.0);
+std::vector<BoundaryConditions::LoadSum> BoundaryConditions::load_sums(double time, const NodalVector& du) const {
+  constexpr int width = 8;
+  std::vector<double> rows(width * case_.pressures.size(), 0.0);
   for (const PressurePoint& point : pressures_) {
     const PressureForce p = pressure_force(point, time, du);
-    for (int i = 0; i < 3; ++i) sums[3 * point.load + i] += p.value * p.area[i];
+    const Vec3 force = p.value * p.area, moment = p.place.cross(force);
+    double* row = &rows[width * point.load];
+    row[0] += 1.0;
+    row[1] += point.area.norm();
+    for (int i = 0; i < 3; ++i) row[2 + i] += force[i], row[5 + i] += moment[i];
   }
-  comm_.sum(sums);
+  comm_.sum(rows);
+  std::vector<LoadSum> sums;
+  for (std::size_t k = 0; k < rows.size(); k += width)
+    sums.push_back({std::lround(rows[k]), rows[k + 1], Vec3(&rows[k + 2]), Vec3(&rows[k + 5])});
+  return sums;
+}
+
+std::vector<Vec3> BoundaryConditions::pressure_forces(double time, const NodalVector& du) const {
   std::vector<Vec3> forces;
-  for (std::size_t k = 0; k < sums.size(); k += 3) forces.emplace_back(sums[k], sums[k + 1], sums[k + 2]);
+  for (const LoadSum& sum : load_sums(time, du)) forces.push_back(sum.force);
   return forces;
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "base/error.hpp"
+#include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 #include "bc/parted_supports.hpp"
@@ -37,41 +37,46 @@ void BoundaryConditions::add_rigid_points(const Case& c, int contact, const Regi
   }
 }
 
+void BoundaryConditions::read_contact(int contact, const Case& c, const Discretisation& d, const std::vector<SurfacePoint>& surface) {
+  const Contact& spec = c.contacts[contact];
+  const int rigid = body_index(c, spec.rigid), body = body_index(c, spec.body);
+  const Region& region = rigid_regions_.try_emplace(rigid, *c.bodies[rigid].shape, cell_size_).first->second;
+  if (spec.kind == Contact::Kind::shared_nodes) {
+    add_rigid_points(c, contact, region, d);
+    return;
+  }
+  const double factor = spec.stiffness * stiffness_of(c, body) / cell_size_;
+  const double touching = 1e-3 * cell_size_;
+  const std::size_t before = contacts_.size();
+  // Chords of a mesh lie beside the shape that was meshed: the place that they stand for counts.
+  std::optional<Region> meshed;
+  if (c.method == Method::fem && spec.kind == Contact::Kind::tie && c.bodies[body].shape)
+    meshed.emplace(*c.bodies[body].shape, cell_size_);
+  for (const SurfacePoint& s : surface) {
+    if (s.body != body) continue;
+    const Vec3 x = meshed ? meshed->nearest(s.X).point : s.X;
+    if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(x).distance) > touching) continue;
+    ContactPoint point;
+    point.anchor = anchor_at(body, s.X, s.normal);
+    point.id = static_cast<int>(contacts_.size());
+    point.contact = contact;
+    point.stiffness = factor * s.area;
+    contacts_.push_back(point);
+  }
+  if (contacts_.size() == before)
+    throw InputError(
+        fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
+                    spec.body, spec.rigid));
+}
+
 void BoundaryConditions::read_contacts(const Case& c, const Discretisation& d,
                                        const std::vector<SurfacePoint>& surface) {
+  Findings found;
   for (std::size_t k = 0; k < c.contacts.size(); ++k) {
-    const Contact& spec = c.contacts[k];
-    const int rigid = body_index(c, spec.rigid), body = body_index(c, spec.body);
-    rigid_of_contact_.push_back(rigid);
-    if (!spec.other.empty()) continue;  // at the nodes of the grid
-    const Region& region = rigid_regions_.try_emplace(rigid, *c.bodies[rigid].shape, cell_size_).first->second;
-    if (spec.kind == Contact::Kind::shared_nodes) {
-      add_rigid_points(c, static_cast<int>(k), region, d);
-      continue;
-    }
-    const double factor = spec.stiffness * stiffness_of(c, body) / cell_size_;
-    const double touching = 1e-3 * cell_size_;
-    const std::size_t before = contacts_.size();
-    // Chords of a mesh lie beside the shape that was meshed: the place that they stand for counts.
-    std::optional<Region> meshed;
-    if (c.method == Method::fem && spec.kind == Contact::Kind::tie && c.bodies[body].shape)
-      meshed.emplace(*c.bodies[body].shape, cell_size_);
-    for (const SurfacePoint& s : surface) {
-      if (s.body != body) continue;
-      const Vec3 x = meshed ? meshed->nearest(s.X).point : s.X;
-      if (spec.kind == Contact::Kind::tie && std::abs(region.nearest(x).distance) > touching) continue;
-      ContactPoint point;
-      point.anchor = anchor_at(body, s.X, s.normal);
-      point.id = static_cast<int>(contacts_.size());
-      point.contact = static_cast<int>(k);
-      point.stiffness = factor * s.area;
-      contacts_.push_back(point);
-    }
-    if (contacts_.size() == before)
-      throw InputError(
-          fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied", spec.name,
-                      spec.body, spec.rigid));
+    rigid_of_contact_.push_back(body_index(c, c.contacts[k].rigid));
+    if (c.contacts[k].other.empty()) found.look([&] { read_contact(static_cast<int>(k), c, d, surface); });  // else at the nodes of the grid
   }
+  found.throw_if_any();
   const int taken = part_supports(contacts_, cell_size_, [&](const ContactPoint& p, const ContactPoint& q) {
     const Contact &a = c.contacts[p.contact], &b = c.contacts[q.contact];
     return a.kind == Contact::Kind::tie && b.kind == Contact::Kind::tie && a.body == b.body &&

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "base/error.hpp"
+#include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 #include "method/depth.hpp"
@@ -17,43 +17,50 @@ constexpr double inclined_penalty = 1e6;
 
 }  // namespace
 
-void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
+void BoundaryConditions::read_boundary(int boundary, double stiffness, const Case& c, const Discretisation& d) {
+  const NodeBoundary& spec = c.boundaries[boundary];
   const Mesh& mesh = d.mesh();
   const std::vector<Vec3>& places = d.node_places();
   const int n_places = static_cast<int>(places.size());
+  const std::vector<int>* group = nullptr;
+  if (spec.where.group) {
+    const auto found = mesh.node_groups.find(*spec.where.group);
+    if (found == mesh.node_groups.end())
+      throw InputError(fmt::format("[boundary.{}]: no mesh has a physical {} named \"{}\"", spec.name,
+                                   dimension_ == 3 ? "surface" : "curve", *spec.where.group));
+    group = &found->second;
+  }
+  bool any = false;
+  const int n = group ? static_cast<int>(group->size()) : n_places;
+  for (int k = 0; k < n; ++k) {
+    const int node = group ? (*group)[k] : k;
+    if (!inside(spec.where, places[node])) continue;
+    any = true;
+    const Vec3& at = places[node];
+    for (int i = 0; i < dimension_; ++i)
+      if (spec.u[i]) prescribe(node, at, i, boundary);
+    if (spec.normal)
+      for (int field = 0; field < d.n_fields(); ++field)
+        inclined_.push_back({node + field * n_places, boundary,
+                             stiffness * depth(c.space, c.thickness, at.x()), 0.0});
+  }
+  if (!any)
+    throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
+                                 c.method == Method::mpm ? "background grid" : "body meshes"));
+}
+
+void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {
+  const int n_places = static_cast<int>(d.node_places().size());
   double youngs = 0.0;
   for (const Material& m : c.materials)
     youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
   const double stiffness = inclined_penalty * youngs * (dimension_ == 3 ? d.cell_size() : 1.0);
+  Findings found;
   for (std::size_t b = 0; b < c.boundaries.size(); ++b) {
     const NodeBoundary& spec = c.boundaries[b];
-    if (!spec.body.empty()) continue;  // read_held_surfaces
-    const std::vector<int>* group = nullptr;
-    if (spec.where.group) {
-      const auto found = mesh.node_groups.find(*spec.where.group);
-      if (found == mesh.node_groups.end())
-        throw InputError(fmt::format("[boundary.{}]: no mesh has a physical {} named \"{}\"", spec.name,
-                                     dimension_ == 3 ? "surface" : "curve", *spec.where.group));
-      group = &found->second;
-    }
-    bool any = false;
-    const int n = group ? static_cast<int>(group->size()) : n_places;
-    for (int k = 0; k < n; ++k) {
-      const int node = group ? (*group)[k] : k;
-      if (!inside(spec.where, places[node])) continue;
-      any = true;
-      const Vec3& at = places[node];
-      for (int i = 0; i < dimension_; ++i)
-        if (spec.u[i]) prescribe(node, at, i, static_cast<int>(b));
-      if (spec.normal)
-        for (int field = 0; field < d.n_fields(); ++field)
-          inclined_.push_back({node + field * n_places, static_cast<int>(b),
-                               stiffness * depth(c.space, c.thickness, at.x()), 0.0});
-    }
-    if (!any)
-      throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
-                                   c.method == Method::mpm ? "background grid" : "body meshes"));
+    if (spec.body.empty()) found.look([&] { read_boundary(static_cast<int>(b), stiffness, c, d); });  // else read_held_surfaces
   }
+  found.throw_if_any();
   // Where a displacement is prescribed as a whole, nothing is left to slip.
   std::erase_if(inclined_, [&](const InclinedNode& n) {
     int prescribed = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -210,8 +211,9 @@ struct Solver {
   int max_iterations = 25;
   bool line_search = true;
   std::optional<double> ghost_penalty;  ///< in units of E; 0 switches it off, absent: as the functions need it
-  /// How the linear systems are solved; automatic: direct in the plane, iterative for large systems in space.
-  enum class Linear { automatic, direct, iterative } linear = Linear::automatic;
+  /// How the linear systems are solved; automatic: direct in the plane, iterative for large systems in space; distributed: direct
+  /// on all processes together.
+  enum class Linear { automatic, direct, distributed, iterative } linear = Linear::automatic;
   double linear_tolerance = 1e-8;  ///< iterative: true residual over right-hand side
   std::string petsc;               ///< PETSc options, e.g. "-ksp_view -snes_monitor"
 };
@@ -306,6 +308,8 @@ struct Case {
   Output output;
   Checkpoint checkpoint;
   Parallel parallel;
+  /// Where the tables [kind.NAME] stand that checks beyond the reader's may have to name: "pin.left" -> "dam.toml:14:1".
+  std::map<std::string, std::string> places;
   int dimension() const { return space == Space::solid ? 3 : 2; }
   double duration() const { return stages.back().end(); }  ///< of the whole run [s]
   bool is_dynamic() const {

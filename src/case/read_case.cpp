@@ -41,6 +41,14 @@ void set_ends(Case& c) {
   }
 }
 
+void remember_places(const Node& root, Case& c) {
+  for (const Node::Entry& kind : root.object()) {
+    if (!kind.value.is_object()) continue;
+    for (const Node::Entry& one : kind.value.object())
+      if (one.value.is_object()) c.places[kind.key + "." + one.key] = one.place.text();
+  }
+}
+
 }  // namespace
 
 Case read_case(const std::string& path, const std::vector<std::string>& overrides) {
@@ -62,6 +70,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   check_case(c, root, problems);
   problems.throw_if_any(path);
   set_ends(c);
+  remember_places(root, c);
 
   c.resolved = "# The effective case: base merged, overrides applied, defaults written out.\n" + write_toml(root);
   c.warnings = problems.warnings();

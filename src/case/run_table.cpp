@@ -68,8 +68,13 @@ Table<Solver> solver_table() {
   using Linear = Solver::Linear;
   t.choice(
       "linear", &Solver::linear,
-      Words<Linear>{{"automatic", Linear::automatic}, {"direct", Linear::direct}, {"iterative", Linear::iterative}},
-      "how linear systems are solved; automatic: directly in the plane, iteratively if large in space");
+      Words<Linear>{{"automatic", Linear::automatic},
+                    {"direct", Linear::direct},
+                    {"distributed", Linear::distributed},
+                    {"iterative", Linear::iterative}},
+      "how linear systems are solved; automatic: directly in the plane, iteratively if large in space; direct: several processes send "
+      "their rows to the first one, and the same run twice is equal to the bit; distributed: directly on all of them, quicker for "
+      "large systems (1.5 times on two processes from 40 000 unknowns on), last digits differ from run to run");
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
   t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");

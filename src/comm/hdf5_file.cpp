@@ -14,9 +14,11 @@
 #include <filesystem>
 #include <functional>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
+#include "comm/seal.hpp"
 
 namespace berm {
 namespace {
@@ -176,7 +178,9 @@ struct CheckpointFile::Impl {
       const Id access = properties(H5P_FILE_ACCESS);
       H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
       H5Pset_file_locking(access, true, true);  // not every file system has locks
-      file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+      const Id creation = properties(H5P_FILE_CREATE);
+      H5Pset_userblock(creation, seal_size);
+      file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
       check(file);
       writing = true;
     });
@@ -191,6 +195,7 @@ struct CheckpointFile::Impl {
     if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("cannot read {}: {}", path, strerror(errno)));
     if (std::filesystem::is_directory(path)) throw InputError(fmt::format("cannot read {}: it is a folder", path));
     if (H5Fis_hdf5(path.c_str()) <= 0) fail_read("it is no HDF5 file");
+    if (const std::string broken = broken_seal(path); !broken.empty()) fail_read(broken);
     // Every process opens it with the plain driver: reading then needs no agreement on who reads what when.
     const Id access = properties(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -199,11 +204,9 @@ struct CheckpointFile::Impl {
     if (!file.valid()) fail_read(fmt::format("the HDF5 file is incomplete or damaged ({})", reason()));
     if (!is_marked()) fail_read(fmt::format("the HDF5 file lacks the mark \"{}\"", format_name));
     const double version = read_number("version");
-    if (version > checkpoint_version)
-      throw InputError(
-          fmt::format("{} is a checkpoint in version {} of the format, from a later berm; this one reads up to version "
-                      "{}",
-                      path, version, checkpoint_version));
+    if (version != checkpoint_version)
+      throw InputError(fmt::format("{} is a checkpoint in version {} of the format, from {} berm; this one reads version {}", path,
+                                   version, version > checkpoint_version ? "a later" : "an earlier", checkpoint_version));
   }
 
   void write(const std::string& name, Type type, const std::byte* mine, std::size_t n_values, int columns) {
@@ -268,6 +271,14 @@ struct CheckpointFile::Impl {
     });
   }
 
+  void seal() const {
+    try {
+      seal_file(draft());
+    } catch (const std::system_error& error) {
+      fail_write(error.code().message());
+    }
+  }
+
   void commit() {
     must_write();
     on_all([&] {
@@ -277,6 +288,7 @@ struct CheckpointFile::Impl {
     on_root([&] {
       check(H5Fflush(file, H5F_SCOPE_GLOBAL));
       check(file.close() ? 0 : -1);
+      seal();
       check_system(::fsync(Descriptor(draft(), O_RDONLY)));
       check_system(std::rename(draft().c_str(), path.c_str()));
       sync_folder(path);

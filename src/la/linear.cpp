@@ -29,7 +29,8 @@ void check_petsc(PetscErrorCode code, const char* what) {
 
 void LinearSolver::destroy() {
   KSPDestroy(&ksp_);
-  KSPDestroy(&fallback_);
+  direct_.reset();
+  fallback_.reset();
 }
 
 /// Direct in the plane (nested dissection keeps factors small), in small systems, in bordered ones and with pressures.
@@ -43,21 +44,17 @@ void LinearSolver::choose(const SystemLayout& layout) {
   const char* factors = symmetric_ ? "L D L^T" : "L U";
   const char* krylov = symmetric_ ? "conjugate gradients" : "GMRES";
   const bool as_wished = options_.linear != Linear::automatic && !(direct_only && options_.linear == Linear::iterative);
+  const bool nothing_to_say = comm_.size() == 1 || options_.linear == Linear::distributed;
+  const char* where = nothing_to_say ? "" : " on the first process";
   const char* why = as_wished ? ", as the case says" : direct_only ? direct_only : "";
   choice_ = iterative_ ? fmt::format("{} with algebraic multigrid ({}{}); MUMPS if it stagnates", krylov, size, why)
-                       : fmt::format("MUMPS, {} ({}{})", factors, size, why);
+                       : fmt::format("MUMPS{}, {} ({}{})", where, factors, size, why);
 }
 
-KSP LinearSolver::make_direct(const char* prefix) const {
-  KSP ksp;
-  PC pc;
-  check_petsc(KSPCreate(mpi_comm(comm_), &ksp), "creating a solver");
-  KSPSetOptionsPrefix(ksp, prefix);
-  KSPSetType(ksp, KSPPREONLY);
-  KSPGetPC(ksp, &pc);
-  PCSetType(pc, symmetric_ ? PCCHOLESKY : PCLU);
-  PCFactorSetMatSolverType(pc, MATSOLVERMUMPS);
-  return ksp;
+void LinearSolver::make_direct(std::optional<DirectSolver>& solver, const char* prefix) {
+  const bool spread = options_.linear == Solver::Linear::distributed;
+  solver.emplace(matrix_, symmetric_, prefix, comm_, spread ? DirectSolver::Where::all_processes : DirectSolver::Where::first_process,
+                 work_space_);
 }
 
 void LinearSolver::make_iterative() {
@@ -104,18 +101,17 @@ void LinearSolver::set_matrix(Mat matrix, const SystemLayout& layout, bool symme
     set_rigid_modes(layout);
     make_iterative();
   } else {
-    ksp_ = make_direct("");
-    check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
+    make_direct(direct_, "");
   }
 }
 
-bool LinearSolver::run(KSP ksp, Vec b, Vec x, int* iterations) {
-  KSPSetOperators(ksp, matrix_, matrix_);
-  if (KSPSolve(ksp, b, x) != 0) return false;
+bool LinearSolver::run_iterative(Vec b, Vec x, int* iterations) {
+  KSPSetOperators(ksp_, matrix_, matrix_);
+  if (KSPSolve(ksp_, b, x) != 0) return false;
   KSPConvergedReason reason;
-  KSPGetConvergedReason(ksp, &reason);
+  KSPGetConvergedReason(ksp_, &reason);
   PetscInt n = 0;
-  KSPGetIterationNumber(ksp, &n);
+  KSPGetIterationNumber(ksp_, &n);
   *iterations = n;
   return reason > 0;
 }
@@ -132,7 +128,7 @@ bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
   if (multigrid && !keep) make_iterative();
   KSPSetReusePreconditioner(ksp_, keep ? PETSC_TRUE : PETSC_FALSE);
   int n = 0;
-  const bool solved = run(ksp_, b, x, &n);
+  const bool solved = run_iterative(b, x, &n);
   *iterations += n;
   if (keep && !solved) {
     excess_ = worth_of_multigrid;
@@ -143,47 +139,24 @@ bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
   return solved;
 }
 
-/// MUMPS guesses its work space before it pivots: INFO(1) = -8, -9 say that it was too small, by how much nobody knows.
-bool LinearSolver::ran_out_of_space() const {
-  PC pc;
-  Mat factors = nullptr;
-  PetscInt info = 0;
-  KSPGetPC(ksp_, &pc);
-  if (PCFactorGetMatrix(pc, &factors) != 0 || !factors) return false;
-  MatMumpsGetInfo(factors, 1, &info);
-  return info == -8 || info == -9;
-}
-
-/// From the next factorisation on, with more of it, in per cent.
-bool LinearSolver::solve_with_more_space(Vec b, Vec x, int* iterations) {
-  for (const char* percent : {"100", "400", "1600"}) {
-    if (!ran_out_of_space()) return false;
-    PetscOptionsSetValue(nullptr, "-mat_mumps_icntl_14", percent);
-    KSPDestroy(&ksp_);
-    ksp_ = make_direct("");
-    check_petsc(KSPSetFromOptions(ksp_), "reading solver options");
-    if (run(ksp_, b, x, iterations)) return true;
-  }
-  return false;
-}
-
 bool LinearSolver::solve(Vec b, Vec x) {
   const Stopwatch watch(seconds_);
   ++count_.solves;
-  int iterations = 0;
-  if (!iterative_ || stagnated_ < patience) {
-    const bool solved = iterative_ ? iterate(b, x, &iterations) : run(ksp_, b, x, &iterations);
+  if (!iterative_) {
+    const bool solved = direct_->solve(b, x);
+    count_.iterations += direct_->iterations();
+    return solved;
+  }
+  if (stagnated_ < patience) {
+    int iterations = 0;
+    const bool solved = iterate(b, x, &iterations);
     count_.iterations += iterations;
-    if (solved) {
-      stagnated_ = 0;
-      return true;
-    }
-    if (!iterative_) return solve_with_more_space(b, x, &iterations);
-    ++stagnated_;
+    stagnated_ = solved ? 0 : stagnated_ + 1;
+    if (solved) return true;
   }
   ++count_.fallbacks;
-  if (!fallback_) fallback_ = make_direct("fallback_");
-  return run(fallback_, b, x, &iterations);
+  if (!fallback_) make_direct(fallback_, "fallback_");
+  return fallback_->solve(b, x);
 }
 
 }  // namespace berm

@@ -3,8 +3,10 @@
 
 #include <petscksp.h>
 
+#include <optional>
 #include <string>
 
+#include "la/direct.hpp"
 #include "la/newton.hpp"
 
 namespace berm {
@@ -33,16 +35,16 @@ private:
   void choose(const SystemLayout& layout);
   void set_rigid_modes(const SystemLayout& layout);
   void make_iterative();
-  KSP make_direct(const char* prefix) const;
-  bool ran_out_of_space() const;
-  bool solve_with_more_space(Vec b, Vec x, int* iterations);
-  bool run(KSP ksp, Vec b, Vec x, int* iterations);
+  void make_direct(std::optional<DirectSolver>& solver, const char* prefix);
+  bool run_iterative(Vec b, Vec x, int* iterations);
   bool iterate(Vec b, Vec x, int* iterations);
 
   const Solver& options_;
   Comm comm_;
   Mat matrix_ = nullptr;
-  KSP ksp_ = nullptr, fallback_ = nullptr;
+  KSP ksp_ = nullptr;  ///< iterative
+  std::optional<DirectSolver> direct_, fallback_;
+  int work_space_ = 0;  ///< of MUMPS, beyond its guess [%]
   bool symmetric_ = false, iterative_ = false;
   int stagnated_ = 0;         ///< in a row
   int fresh_iterations_ = 0;  ///< of the system for which multigrid was made

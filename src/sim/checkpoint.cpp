@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "case/differences.hpp"
 #include "comm/hdf5_file.hpp"
 
 namespace berm {
@@ -98,8 +99,8 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
     if (there != here) refuse(fmt::format("{} {} there, {} here", what, there, here));
   };
   const Case& c = world.spec;
-  const std::string method = c.method == Method::mpm ? "mpm" : "fem";
-  if (file.read_text("method") != method) refuse("its method is \"" + file.read_text("method") + "\"");
+  for (const Difference& d : differences(file.read_text("case"), c.resolved))
+    if (d.of_the_model()) refuse(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
   expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
   expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
   expect("boundaries:", file.read_number("boundaries"), static_cast<double>(c.boundaries.size()));
@@ -123,7 +124,6 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   const Comm& comm = world.comm;
   CheckpointFile file = CheckpointFile::create(comm, path);
   file.write_text("case", world.spec.resolved);
-  file.write_text("method", world.spec.method == Method::mpm ? "mpm" : "fem");
   file.write_number("space", static_cast<int>(world.spec.space));
   file.write_number("bodies", static_cast<double>(world.spec.bodies.size()));
   file.write_number("boundaries", static_cast<double>(world.spec.boundaries.size()));
@@ -163,8 +163,8 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   file.commit();
 }
 
-void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
-                     StepControl& control) {
+std::vector<std::string> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
+                                         StepControl& control) {
   Discretisation& d = *world.discretisation;
   const Comm& comm = world.comm;
   const CheckpointFile file = CheckpointFile::open(comm, path);
@@ -208,6 +208,10 @@ void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, 
   world.boundary->restore_rigid(world.time);
   world.begin_step();
   recorder.resume(load_recorder(file));
+  std::vector<std::string> changed;
+  for (const Difference& d : differences(file.read_text("case"), world.spec.resolved))
+    changed.push_back(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
+  return changed;
 }
 
 }  // namespace berm

@@ -13,9 +13,10 @@ namespace berm {
 void save_checkpoint(const std::string& path, const World& world, const ImplicitStep& step,
                      const Recorder& recorder, const StepControl& control);
 
-/// Puts the state of the file into a world that has just been built from the same case. Collective. Throws InputError if
-/// the file is no checkpoint, of a newer version, or of another case.
-void load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
-                     StepControl& control);
+/// Puts the state of the file into a world that has just been built from the same case, or from one that differs in loads,
+/// numbers of materials, steps, solver or output; returns what differs, a sentence a key. Collective. Throws InputError if
+/// the file is no checkpoint, has changed since it was written, is of another version, or of another model.
+std::vector<std::string> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
+                                         StepControl& control);
 
 }  // namespace berm

@@ -64,10 +64,11 @@ public:
       recorder_.start();
       return;
     }
-    load_checkpoint(options.restart, *world_, step_, recorder_, control_);
+    const std::vector<std::string> changed = load_checkpoint(options.restart, *world_, step_, recorder_, control_);
     watch_.resume(recorder_.watched(), step_.balance().reactions);
     log_.info(
         fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
+    for (const std::string& sentence : changed) log_.info("  changed since       " + sentence);
   }
 
   void go() {

@@ -8,8 +8,9 @@
 #include <set>
 #include <span>
 
-#include "base/error.hpp"
+#include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/places.hpp"
 #include "sim/far_origin.hpp"
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
@@ -92,13 +93,6 @@ BodySummary summary_of(const Body& body, double cell_size) {
   return summary;
 }
 
-/// What a cell of the grid takes whether it is used or not: nodes, neighbours, numbers [bytes].
-constexpr double bytes_per_cell = 120.0;
-double grid_bytes(const Case& c) {
-  const auto* s = std::get_if<StructuredGrid>(&c.grid);
-  return c.method == Method::mpm && s ? bytes_per_cell * s->nx * s->ny * std::max(1, s->nz) : 0.0;
-}
-
 Grid make_grid(const Case& c) {
   if (const auto* structured = std::get_if<StructuredGrid>(&c.grid)) return make_structured_grid(*structured);
   return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
@@ -161,6 +155,77 @@ void keep(BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::v
   built.measures[body] = std::move(measures);
 }
 
+/// Pins, gauges and probes must lie in a deformable body.
+void check_places(const World& w, Findings& found) {
+  const Discretisation& d = *w.discretisation;
+  const std::vector<Vec3> points = d.point_positions();
+  const double reach = 1.5 * longest_edge(d.mesh());
+  auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
+    const bool near = w.comm.any(
+        std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
+    found.look([&] {
+      if (!near) throw InputError(fmt::format("[{}.{}]: the point {} lies outside of every deformable body", kind, name, place_text(w.spec, x)));
+    });
+  };
+  for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
+  for (const Gauge& g : w.spec.output.gauges) {
+    check("gauge", g.name, g.from);
+    check("gauge", g.name, g.to);
+  }
+  for (const Probe& p : w.spec.output.probes) check("probe", p.name, p.at);
+}
+
+/// With what else is wrong, if anything is.
+void add_boundary(World& w, const std::vector<SurfacePoint>& surface, Findings& found) {
+  check_places(w, found);
+  found.look([&] { w.boundary = std::make_unique<BoundaryConditions>(w.spec, *w.discretisation, surface, w.joints); });
+  found.throw_if_any();
+}
+
+/// Points and surface of a body; a rigid one has neither. `boxes`: in which points are seeded that have domains, if not in the
+/// cells of the grid; has_field: it may part from others.
+void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::optional<Grid>& boxes, int index, bool has_field) {
+  const Case& c = w.spec;
+  const Body& body = c.bodies[index];
+  const double h = mpm.cell_size(), spacing = h / surface_points_per_cell(c);
+  std::vector<SurfacePoint>& surface = built.surface;
+  BodySummary summary = summary_of(body, h);
+  if (body.rigid) {
+    w.bodies.push_back(summary);
+    return;
+  }
+  const Material& material = material_of(c, body);
+  const std::size_t first_piece = surface.size();
+  SeededPoints points;
+  if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
+    const Mesh mesh = body_mesh(c, body, body.points.mesh);
+    points = seed_from_mesh(mesh, body.points.per_element);
+    summary.elements = mesh.n_cells();
+    if (body.shape) {
+      const Region region(*body.shape, h);
+      fit_to_cells(points, region, mpm.grid());
+      add_surface_of_shape(c, index, region, spacing, surface);
+    } else {
+      add_surface_of_mesh(c, index, mesh, spacing, surface);
+    }
+  } else {
+    const Region region(*body.shape, h);
+    PointSeeding seeding = body.points;
+    if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
+    points = seed_from_grid(region, boxes ? *boxes : mpm.grid(), seeding, body.name);
+    add_surface_of_shape(c, index, region, spacing, surface);
+  }
+  mpm.add_body(index, body.name, material, points, c.thickness);
+  if (has_field) mpm.tell_surface(ways_to_surface(points.x, std::span(surface).subspan(first_piece), rim_width * h));
+  for (std::size_t p = 0; p < points.x.size(); ++p) {
+    summary.measure += points.measure[p];
+    summary.mass += points.measure[p] * depth(c.space, c.thickness, points.x[p].x()) * material.density;
+  }
+  summary.points = static_cast<int>(points.x.size());
+  w.bodies.push_back(summary);
+  keep(built, index, std::move(points.x), std::move(points.measure));
+}
+
 void build_mpm(World& w, BuiltBodies& built) {
   const Case& c = w.spec;
   Grid grid = make_grid(c);
@@ -175,55 +240,20 @@ void build_mpm(World& w, BuiltBodies& built) {
       structure && has_domains(c.shape_functions) && is_simplex(mpm->grid().mesh.kinds[0]))
     boxes = boxes_of(*structure);
   mpm->tell_origin(c.origin);
-  const double h = mpm->cell_size(), spacing = h / surface_points_per_cell(c);
-  std::vector<SurfacePoint>& surface = built.surface;
+  const double h = mpm->cell_size();
+  const std::vector<SurfacePoint>& surface = built.surface;
   const std::vector<int> meets_others = fields_of_bodies(c);
-  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
-    const Body& body = c.bodies[b];
-    const int index = static_cast<int>(b);
-    BodySummary summary = summary_of(body, h);
-    if (body.rigid) {
-      w.bodies.push_back(summary);
-      continue;
-    }
-    const Material& material = material_of(c, body);
-    const std::size_t first_piece = surface.size();
-    SeededPoints points;
-    if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
-      const Mesh mesh = body_mesh(c, body, body.points.mesh);
-      points = seed_from_mesh(mesh, body.points.per_element);
-      summary.elements = mesh.n_cells();
-      if (body.shape) {
-        const Region region(*body.shape, h);
-        fit_to_cells(points, region, mpm->grid());
-        add_surface_of_shape(c, index, region, spacing, surface);
-      } else {
-        add_surface_of_mesh(c, index, mesh, spacing, surface);
-      }
-    } else {
-      const Region region(*body.shape, h);
-      PointSeeding seeding = body.points;
-      if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
-      points = seed_from_grid(region, boxes ? *boxes : mpm->grid(), seeding, body.name);
-      add_surface_of_shape(c, index, region, spacing, surface);
-    }
-    mpm->add_body(index, body.name, material, points, c.thickness);
-    if (meets_others[b] > 0) mpm->tell_surface(ways_to_surface(points.x, std::span(surface).subspan(first_piece), rim_width * h));
-    for (std::size_t p = 0; p < points.x.size(); ++p) {
-      summary.measure += points.measure[p];
-      summary.mass += points.measure[p] * depth(c.space, c.thickness, points.x[p].x()) * material.density;
-    }
-    summary.points = static_cast<int>(points.x.size());
-    w.bodies.push_back(summary);
-    keep(built, b, std::move(points.x), std::move(points.measure));
-  }
-  refuse_overlaps(c, built, h);
+  Findings found;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    found.look([&] { add_body(w, built, *mpm, boxes, static_cast<int>(b), meets_others[b] > 0); });
+  found.throw_if_any();
+  found.look([&] { refuse_overlaps(c, built, h); });
   w.joints = find_joints(c, surface, h);
   w.layers = layers_of_bodies(c, w.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
-  refuse_glued_gaps(w, *mpm, surface);
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *mpm, surface, w.joints);
+  found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
   w.discretisation = std::move(mpm);
+  add_boundary(w, surface, found);
 }
 
 void build_fem(World& w, BuiltBodies& built) {
@@ -254,10 +284,11 @@ void build_fem(World& w, BuiltBodies& built) {
   }
   for (const Body& body : c.bodies)
     if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
-  refuse_overlaps(c, built, fem->cell_size());
+  Findings found;
+  found.look([&] { refuse_overlaps(c, built, fem->cell_size()); });
   w.joints = find_joints(c, surface, fem->cell_size());
-  w.boundary = std::make_unique<BoundaryConditions>(w.spec, *fem, surface, w.joints);
   w.discretisation = std::move(fem);
+  add_boundary(w, surface, found);
 }
 
 /// Names of the deformable bodies of a field, for a sentence.
@@ -335,48 +366,13 @@ void collect_warnings(World& w) {
   warn_of_missing_contacts(w);
 }
 
-/// Pins, gauges and probes must lie in a deformable body.
-void check_places(const World& w) {
-  const Discretisation& d = *w.discretisation;
-  const std::vector<Vec3> points = d.point_positions();
-  const double reach = 1.5 * longest_edge(d.mesh());
-  auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
-    const bool near = w.comm.any(
-        std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
-    if (near) return;
-    throw InputError(fmt::format("[{}.{}]: the point {} lies outside of every deformable body", kind, name, place_text(w.spec, x)));
-  };
-  for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
-  for (const Gauge& g : w.spec.output.gauges) {
-    check("gauge", g.name, g.from);
-    check("gauge", g.name, g.to);
-  }
-  for (const Probe& p : w.spec.output.probes) check("probe", p.name, p.at);
-}
-
-/// Bytes of the factors of a direct solver: nested dissection leaves about 31/2 n log2 n entries in the plane (George
-/// 1973) and about 8 n^(4/3) in space. With multigrid the matrix and its coarse levels count, about 1.6 of it.
-double solver_bytes(const World& w, long unknowns) {
-  const double n = std::max(2L, unknowns);
-  if (w.spec.dimension() == 2) return 31.0 / 2.0 * n * std::log2(n) * 8.0;
-  const bool direct = w.spec.solver.linear == Solver::Linear::direct || n <= largest_direct_in_space;
-  return direct ? 8.0 * std::pow(n, 4.0 / 3.0) * 8.0 : 1.6 * 81.0 * n * 12.0;
-}
-
-const char* space_text(Space space) {
-  switch (space) {
-    case Space::plane_strain:
-      return "plane strain";
-    case Space::plane_stress:
-      return "plane stress";
-    case Space::axisymmetric:
-      return "axisymmetric";
-    default:
-      return "three-dimensional";
-  }
-}
-
 }  // namespace
+
+double grid_bytes(const Case& c) {
+  constexpr double bytes_per_cell = 120.0;  // nodes, neighbours, numbers
+  const auto* s = std::get_if<StructuredGrid>(&c.grid);
+  return c.method == Method::mpm && s ? bytes_per_cell * s->nx * s->ny * std::max(1, s->nz) : 0.0;
+}
 
 double longest_edge(const Mesh& mesh) {
   double longest = 0.0;
@@ -396,17 +392,40 @@ void World::begin_step() {
   step_begun = true;
 }
 
+namespace {
+
+/// Everything but the memory that it takes may be wrong.
+void build(World& w) {
+  BuiltBodies built{{}, std::vector<std::vector<Vec3>>(w.spec.bodies.size()), std::vector<std::vector<double>>(w.spec.bodies.size())};
+  if (w.spec.method == Method::mpm)
+    build_mpm(w, built);
+  else
+    build_fem(w, built);
+  double youngs = 0.0;
+  for (const Material& m : w.spec.materials)
+    youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
+  const double h = w.discretisation->cell_size();
+  w.elastic_scale = youngs * h * (is_plane(w.spec.space) ? w.spec.thickness : h);
+  w.discretisation->move_points(w.spec.parallel.rebalance);
+  w.begin_step();
+  w.discretisation->start_motion([&](int body, const Vec3& X) { return w.spec.bodies[body].velocity.at(0.0, X); });
+  Findings found;
+  found.look([&] { refuse_contacts_out_of_sight(w); });
+  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get()))
+    found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
+  found.throw_if_any();
+  collect_warnings(w);
+}
+
+}  // namespace
+
 std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
   auto w = std::make_unique<World>();
   w->spec = std::move(spec);
   w->comm = comm;
   count_from_the_grid(w->spec);
-  BuiltBodies built{{}, std::vector<std::vector<Vec3>>(w->spec.bodies.size()), std::vector<std::vector<double>>(w->spec.bodies.size())};
   try {
-    if (w->spec.method == Method::mpm)
-      build_mpm(*w, built);
-    else
-      build_fem(*w, built);
+    tell_places(w->spec, [&] { build(*w); });
   } catch (const std::bad_alloc&) {
     const double grid = grid_bytes(w->spec);
     throw InputError("not enough memory to build the model: " +
@@ -415,64 +434,7 @@ std::unique_ptr<World> build_world(Case spec, const Comm& comm) {
                                                grid / 1e9)
                                  : "take larger cells"));
   }
-  double youngs = 0.0;
-  for (const Material& m : w->spec.materials)
-    youngs = std::max(youngs, std::visit([](const auto& law) { return law.stiffness(); }, m.law));
-  const double h = w->discretisation->cell_size();
-  w->elastic_scale = youngs * h * (is_plane(w->spec.space) ? w->spec.thickness : h);
-  w->discretisation->move_points(w->spec.parallel.rebalance);
-  check_places(*w);
-  w->begin_step();
-  w->discretisation->start_motion([&](int body, const Vec3& X) { return w->spec.bodies[body].velocity.at(0.0, X); });
-  refuse_contacts_out_of_sight(*w);
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w->discretisation.get())) refuse_hanging_bodies(*w, *mpm, built.surface);
-  collect_warnings(*w);
   return w;
-}
-
-std::string describe(const World& w) {
-  const Discretisation& d = *w.discretisation;
-  const bool solid = w.spec.dimension() == 3;
-  std::string text;
-  auto line = [&](const std::string& s) { text += s + "\n"; };
-  line(fmt::format("{}", w.spec.title));
-  line(fmt::format("  method            {}, {}, {} strain{}",
-                   w.spec.method == Method::fem                          ? "fem"
-                   : w.spec.formulation == Formulation::total_lagrangian ? "mpm, total Lagrangian"
-                                                                         : "mpm",
-                   space_text(w.spec.space), w.spec.kinematics == Kinematics::finite ? "finite" : "small",
-                   w.spec.volumetric == Volumetric::f_bar   ? ", F-bar"
-                   : w.spec.volumetric == Volumetric::mixed ? ", mixed u-p"
-                                                            : ""));
-  const char* unit = solid ? "m3" : "m2";
-  for (const BodySummary& b : w.bodies)
-    line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)
-                 : fmt::format("  body {:<12} {:.6g} {}, {:.6g} kg, {} points{}", b.name, b.measure, unit, b.mass,
-                               b.points, b.elements ? fmt::format(", {} elements", b.elements) : ""));
-  for (const Joint& j : w.joints)
-    line(fmt::format("  joined            \"{}\" and \"{}\" where they touch ({:.3g} m2), {}", w.spec.bodies[j.body].name,
-                     w.spec.bodies[j.other].name, j.area(),
-                     j.shared_nodes ? "by the nodes of the grid that they share" : "by a tie on their surface"));
-  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
-  const auto* fem = dynamic_cast<const FemDiscretisation*>(&d);
-  const long cells = w.comm.sum(mpm ? long(mpm->active_cells().size()) : long(fem->elements().size()));
-  const long points = w.n_points(), unknowns = w.boundary->n_free();
-  line(fmt::format("  cells             {} in use, {:.2f} points each", cells, double(points) / cells));
-  line(fmt::format("  cell size         {:.6g} m", d.cell_size()));
-  line(fmt::format("  unknowns          {}", unknowns));
-  if (w.comm.size() > 1)
-    line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
-                     d.most_loaded()));
-  line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0 + grid_bytes(w.spec)) / 1e6 + 60.0));
-  for (const Stage& s : w.spec.stages)
-    line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
-                     s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",
-                     s.name.empty() ? "" : ", stage " + s.name));
-  if (any_law(w.spec, is_damage))
-    line("  cracks            follow the lines of the grid (laws with a crack band): trust their direction only if it stays on a turned grid");
-  for (const std::string& choice : w.spec.choices) line("  chosen            " + choice);
-  for (const std::string& warning : w.warnings) line("  warning: " + warning);
-  return text;
 }
 
 }  // namespace berm

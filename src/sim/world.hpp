@@ -44,13 +44,15 @@ struct World {
   long n_points() const { return comm.sum(long(discretisation->material.size())); }
 };
 
+/// What the cells of [grid] take, used or not [bytes].
+double grid_bytes(const Case& c);
 /// Of the cells: some are much longer than they are wide [m].
 double longest_edge(const Mesh& mesh);
 
 /// Builds everything that the case describes. Throws InputError, the same on all processes.
 std::unique_ptr<World> build_world(Case spec, const Comm& comm = {});
 
-/// What `berm check` prints: bodies, masses, points per cell, dofs, memory, warnings. Collective.
+/// What `berm check` prints: bodies, masses, points per cell, dofs, memory, what supports and loads hold, warnings. Collective.
 std::string describe(const World& world);
 
 }  // namespace berm

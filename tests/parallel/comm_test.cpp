@@ -23,6 +23,7 @@
 #include "comm/halo.hpp"
 #include "comm/hdf5_file.hpp"
 #include "comm/partition.hpp"
+#include "comm/seal.hpp"
 
 namespace berm {
 namespace {
@@ -551,10 +552,20 @@ TEST_F(Checkpoint, RefusesOtherFilesAlike) {
 
   write(world(), file, 1000, 1.0);
   change([&] { fs::resize_file(file, fs::file_size(file) / 2); });
-  const std::string words = "input: " + file + " is not a checkpoint of berm: the HDF5 file is incomplete or damaged";
+  const std::string words = "input: " + file + " is not a checkpoint of berm: its checksum does not fit";
   EXPECT_EQ(refusal().substr(0, words.size()), words);
 
   change([&] { H5Fclose(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)); });
+  const std::string none = "input: " + file + " is not a checkpoint of berm: it has no checksum";
+  EXPECT_EQ(refusal().substr(0, none.size()), none);
+
+  change([&] {
+    const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    H5Pset_userblock(creation, seal_size);
+    H5Fclose(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, creation, H5P_DEFAULT));
+    H5Pclose(creation);
+    seal_file(file);
+  });
   EXPECT_EQ(refusal(),
             "input: " + file + " is not a checkpoint of berm: the HDF5 file lacks the mark \"berm checkpoint\"");
 
@@ -566,10 +577,10 @@ TEST_F(Checkpoint, RefusesOtherFilesAlike) {
     H5Awrite(attribute, H5T_NATIVE_INT, &version);
     H5Aclose(attribute);
     H5Fclose(h5);
+    seal_file(file);
   });
   EXPECT_EQ(refusal(), "input: " + file + " is a checkpoint in version " + std::to_string(checkpoint_version + 1) +
-                           " of the format, from a later berm; this one reads up to version " +
-                           std::to_string(checkpoint_version));
+                           " of the format, from a later berm; this one reads version " + std::to_string(checkpoint_version));
 }
 
 TEST_F(Checkpoint, FailsAlike) {

@@ -1250,25 +1250,40 @@ class Refused(Case):
         for part in (0.3, 0.99):
             file = FOLDER / "short.h5"
             file.write_bytes(whole[: int(part * len(whole))])
-            self.refused("shared", file, "short.h5 is not a checkpoint of berm: the HDF5 file is incomplete")
+            self.refused("shared", file, "short.h5 is not a checkpoint of berm: its checksum does not fit")
 
-    def test_other_points(self):
-        file = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
-        other = ["grid.cell_size=0.25", "grid.cells=[6, 6]"]
-        self.refused("shared", file, 'written by another case: points of body "block"', overrides=other)
+    def test_flipped_bits(self):
+        whole = (finished("shared", 1, CHECKPOINTS) / "checkpoint.h5").read_bytes()
+        for place in (0.05, 0.4, 0.8):
+            broken = bytearray(whole)
+            broken[int(place * len(whole))] ^= 16
+            file = FOLDER / "flipped.h5"
+            file.write_bytes(broken)
+            self.refused("shared", file, "flipped.h5 is not a checkpoint of berm: its checksum does not fit")
 
-    def test_other_method(self):
+    def test_other_models(self):
         file = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
-        self.refused("fem_solid", file, 'written by another case: its method is "mpm"')
+        for other, words in (
+            (["grid.cells=[13, 6]"], "grid.cells[0] was 12, now it is 13"),
+            (["grid.shape_functions=quadratic_bspline"], 'grid.shape_functions was'),
+            (["model.kinematics=small"], 'model.kinematics was "finite", now it is "small"'),
+            (["model.formulation=total_lagrangian"], "model.formulation was"),
+            (["body.block.points.per_direction=3"], "body.block.points.per_direction was"),
+        ):
+            self.refused("shared", file, "written by another case: " + words, processes=(1,), overrides=other)
+        self.refused("fem_solid", file, 'written by another case: method was "mpm", now it is "fem"')
 
-    def test_other_space(self):
-        file = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
-        self.refused("drawn_solid", file, "written by another case: kind of model")
+    def test_what_changed_is_told(self):
+        """Loads and steps may change; the log says what did."""
+        whole = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
+        out = fresh("changed")
+        call(command("shared", out, 1, ["solver.max_iterations=33"], ["--restart", str(whole)]))
+        self.assertIn("solver.max_iterations was 25, now it is 33", (out / "log.txt").read_text())
 
     def test_other_gauges(self):
         file = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
         other = ["gauge.more.from=[0.0, 0.2]", "gauge.more.to=[0.0, 0.7]"]
-        self.refused("shared", file, "history of", overrides=other)
+        self.refused("shared", file, "gauge.more.from[0] was absent, now it is 0.0", overrides=other)
 
     def test_wrong_key(self):
         for n in (1, 2):

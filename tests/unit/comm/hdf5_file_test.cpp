@@ -154,17 +154,12 @@ TEST_F(Checkpoint, RefusesTruncatedAndDamagedFiles) {
     fs::resize_file(file, static_cast<std::uintmax_t>(part * whole.size()));
     EXPECT_EQ(refusal().substr(0, words.size()), words) << part;
   }
-  // Any single damaged byte of the headers: either noticed, or without consequence for opening; never a crash.
-  for (std::size_t i = 0; i < 3000; i += 29) {
+  // Any single flipped bit is noticed, wherever it is: in the seal, in the headers, in the numbers.
+  for (std::size_t i = 0; i < whole.size(); i += i < 4000 ? 29 : 977) {
     std::string broken = whole;
-    broken[i] = static_cast<char>(~broken[i]);
+    broken[i] = static_cast<char>(broken[i] ^ (1 << i % 8));
     std::ofstream(file, std::ios::binary) << broken;
-    try {
-      const auto in = CheckpointFile::open(Comm(), file);
-      in.read_rows<double>("points/x", 0, 500, 2);
-    } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find(file), std::string::npos) << i;
-    }
+    EXPECT_EQ(refusal().substr(0, words.size()), words) << i;
   }
 }
 

@@ -1,0 +1,18 @@
+#pragma once
+/// What two resolved cases say differently.
+
+#include <string>
+#include <vector>
+
+namespace berm {
+
+struct Difference {
+  std::string key, before, now;  ///< as "body.dam.velocity[1]"; a value that one of them lacks is "absent"
+  /// Points, nodes and their state fit the one value only; else the key may change in a restart.
+  bool of_the_model() const;
+};
+
+/// Of two texts as Case::resolved has them, in the order of `now`; what only `before` has comes last.
+std::vector<Difference> differences(const std::string& before, const std::string& now);
+
+}  // namespace berm

@@ -1,0 +1,44 @@
+#include "case/places.hpp"
+
+#include <regex>
+
+#include "base/error.hpp"
+
+namespace berm {
+namespace {
+
+/// The table that a line names first and that the case has, as "pin.left"; empty if none.
+std::string named_table(const Case& c, const std::string& line) {
+  static const std::regex names(R"re(\[([a-z_]+\.[A-Za-z0-9_-]+)[\].]|\b(body|bodies|gauge|material) "([^"]+)")re");
+  for (std::sregex_iterator m(line.begin(), line.end(), names), end; m != end; ++m) {
+    const std::string kind = (*m)[2] == "bodies" ? "body" : (*m)[2].str();
+    const std::string table = (*m)[1].matched ? (*m)[1].str() : kind + "." + (*m)[3].str();
+    if (c.places.contains(table)) return table;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string with_places(const Case& c, const std::string& text) {
+  std::string out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin), table = named_table(c, line);
+    if (!table.empty()) out += c.places.at(table) + ": ";
+    out += line;
+    if (end < text.size()) out += '\n';
+    begin = end + 1;
+  }
+  return out;
+}
+
+void tell_places(const Case& c, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    throw InputError(with_places(c, error.what()));
+  }
+}
+
+}  // namespace berm
