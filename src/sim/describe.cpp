@@ -53,10 +53,11 @@ std::string vector_text(const Vec3& v, int dimension) {
 }
 
 /// A load; around an axis only what it does along the axis means something.
-std::string resultant_text(const Case& c, const Vec3& force, const Vec3& moment) {
+std::string resultant_text(const Case& c, const Vec3& force, Vec3 moment, double cell_size) {
   const int d = c.dimension();
   const std::string text = vector_text(force, d) + " N";
   if (c.space == Space::axisymmetric) return text;
+  if (moment.norm() < 1e-9 * force.norm() * cell_size) moment.setZero();
   const Vec3 m = moment + c.origin.cross(force);
   return fmt::format("{}, moment about the origin {} N m", text, d == 3 ? vector_text(m, 3) : fmt::format("{:.4g}", m.z()));
 }
@@ -109,7 +110,7 @@ std::string loads_text(const World& w) {
   const std::vector<BoundaryConditions::LoadSum> sums = w.boundary->load_sums(end, still);
   for (std::size_t k = 0; k < sums.size(); ++k)
     text += fmt::format("  pressure {:<8} on {:.4g} m2 ({} places), at t = {:.4g}: {}\n", w.spec.pressures[k].name, sums[k].area, sums[k].points,
-                        end, resultant_text(w.spec, sums[k].force, sums[k].moment));
+                        end, resultant_text(w.spec, sums[k].force, sums[k].moment, d.cell_size()));
   if (w.spec.gravity.is_zero()) return text;
   NodalVector f(d.n_nodes(), Vec3::Zero());
   d.add_body_force([&](int, const Vec3& x) { return w.spec.gravity.at(end, x); }, f);
@@ -119,7 +120,7 @@ std::string loads_text(const World& w) {
     for (int i = 0; i < 3; ++i) sum[i] += f[node][i], sum[3 + i] += moment[i];
   }
   w.comm.sum(std::span<double>(sum));
-  return text + fmt::format("  weight            at t = {:.4g}: {}\n", end, resultant_text(w.spec, Vec3(&sum[0]), Vec3(&sum[3])));
+  return text + fmt::format("  weight            at t = {:.4g}: {}\n", end, resultant_text(w.spec, Vec3(&sum[0]), Vec3(&sum[3]), d.cell_size()));
 }
 
 }  // namespace

@@ -8,8 +8,9 @@
 #include <map>
 #include <set>
 
-#include "base/error.hpp"
+#include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/places.hpp"
 #include "sim/advice.hpp"
 #include "sim/preflight.hpp"
 #include "sim/preflight_parts.hpp"
@@ -90,41 +91,76 @@ std::vector<std::vector<double>> shares_of_nodes(const World& w) {
   return share;
 }
 
-/// Bodies that share nodes, are tied or touch by contact with friction move together. Collective.
-Groups find_assemblies(const World& w, const std::vector<std::vector<double>>& share) {
-  const Case& c = w.spec;
-  const std::size_t n = c.bodies.size();
-  Groups groups(n);
-  for (const Joint& j : w.joints) groups.join(j.body, j.other);
-  for (const Contact& k : c.contacts)
-    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, c.stages.front().name)) groups.join(body_index(c, k.body), body_index(c, k.other));
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = a + 1; b < n; ++b) {
-      bool common = false;
-      for (std::size_t i = 0; i < std::min(share[a].size(), share[b].size()); ++i) common |= share[a][i] > 0.0 && share[b][i] > 0.0;
-      if (w.comm.any(common)) groups.join(static_cast<int>(a), static_cast<int>(b));
+/// Parts of bodies, numbered through.
+class Pieces {
+public:
+  explicit Pieces(const World& w) : w_(w) {
+    for (const BodyParts& parts : w.parts) {
+      first_.push_back(count_);
+      count_ += parts.count();
     }
+  }
+  int count() const { return count_; }
+  int first(int body) const { return first_[body]; }
+  int end(int body) const { return first_[body] + w_.parts[body].count(); }
+  int at(int body, const Vec3& x) const { return first_[body] + w_.parts[body].of(x); }
+
+private:
+  const World& w_;
+  std::vector<int> first_;
+  int count_ = 0;
+};
+
+/// Parts that share nodes, are tied or touch by contact with friction move together. Collective.
+Groups find_assemblies(const World& w, const std::vector<std::vector<double>>& share, const Pieces& pieces) {
+  const Case& c = w.spec;
+  const Discretisation& d = *w.discretisation;
+  Groups groups(pieces.count());
+  const auto join_bodies = [&](int a, int b) {
+    for (int i = pieces.first(a); i < pieces.end(a); ++i)
+      for (int j = pieces.first(b); j < pieces.end(b); ++j) groups.join(i, j);
+  };
+  for (const Joint& j : w.joints) join_bodies(j.body, j.other);
+  for (const Contact& k : c.contacts)
+    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, c.stages.front().name))
+      join_bodies(body_index(c, k.body), body_index(c, k.other));
+  std::set<std::array<int, 2>> common;
+  for (int i = 0; i < d.halo.n_owned; ++i) {
+    int first = -1;
+    for (std::size_t b = 0; b < share.size(); ++b) {
+      if (share[b].empty() || share[b][i] <= 0.0) continue;
+      const int piece = pieces.at(static_cast<int>(b), d.nodes[i]);
+      if (first >= 0) common.insert(std::array<int, 2>{first, piece});
+      else first = piece;
+    }
+  }
+  const std::vector<std::array<int, 2>> mine(common.begin(), common.end());
+  for (const auto& [a, b] : w.comm.all_gather(mine)) groups.join(a, b);
   return groups;
 }
 
-std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::vector<double>>& share, Groups& groups) {
+std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::vector<double>>& share, Groups& groups, const Pieces& pieces) {
   const Discretisation& d = *w.discretisation;
   const Case& c = w.spec;
   std::map<int, Assembly> assemblies;
   for (std::size_t b = 0; b < share.size(); ++b) {
     if (c.bodies[b].rigid) continue;
-    Assembly& a = assemblies[groups.of(static_cast<int>(b))];
-    for (int i = 0; i < d.halo.n_owned; ++i)
-      if (share[b][i] > 0.0) a.low = a.low.cwiseMin(d.nodes[i]), a.high = a.high.cwiseMax(d.nodes[i]);
+    const int body = static_cast<int>(b);
+    for (int piece = pieces.first(body); piece < pieces.end(body); ++piece) assemblies[groups.of(piece)];
+    for (int i = 0; i < d.halo.n_owned; ++i) {
+      if (share[b][i] <= 0.0) continue;
+      Assembly& a = assemblies[groups.of(pieces.at(body, d.nodes[i]))];
+      a.low = a.low.cwiseMin(d.nodes[i]), a.high = a.high.cwiseMax(d.nodes[i]);
+    }
   }
   for (auto& [root, a] : assemblies)
     for (int i = 0; i < 3; ++i) a.low[i] = w.comm.min(a.low[i]), a.high[i] = w.comm.max(a.high[i]);
   for (const auto& hold : w.boundary->holds(d)) {
-    std::set<int> bodies;
-    if (hold.body >= 0) bodies.insert(groups.of(hold.body));
+    std::set<int> held;
+    if (hold.body >= 0) held.insert(groups.of(pieces.at(hold.body, hold.at)));
     for (std::size_t b = 0; hold.node >= 0 && b < share.size(); ++b)
-      if (!share[b].empty() && share[b][hold.node] > 0.0) bodies.insert(groups.of(static_cast<int>(b)));
-    for (const int root : bodies) assemblies[root].hold(c.space, hold.at, hold.direction);
+      if (!share[b].empty() && share[b][hold.node] > 0.0) held.insert(groups.of(pieces.at(static_cast<int>(b), hold.at)));
+    for (const int root : held) assemblies[root].hold(c.space, hold.at, hold.direction);
   }
   // Without friction bodies hold each other along the normal alone.
   for (const Interface& at : d.interfaces())
@@ -132,10 +168,26 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::v
       if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, c.stages.front().name)) continue;
       const int first = body_index(c, k.body), second = body_index(c, k.other);
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
-      for (const int body : {first, second}) assemblies[groups.of(body)].hold(c.space, d.nodes[at.a], at.normal);
+      for (const int body : {first, second}) assemblies[groups.of(pieces.at(body, d.nodes[at.a]))].hold(c.space, d.nodes[at.a], at.normal);
     }
   for (auto& [root, a] : assemblies) w.comm.sum(std::span<double>(a.held.data(), 36));
   return assemblies;
+}
+
+/// The bodies of an assembly, or their parts, in words.
+std::vector<std::string> names_of(const World& w, Groups& groups, const Pieces& pieces, int root) {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < w.spec.bodies.size(); ++b) {
+    const int body = static_cast<int>(b);
+    if (w.spec.bodies[b].rigid) continue;
+    int here = 0;
+    for (int piece = pieces.first(body); piece < pieces.end(body); ++piece) here += groups.of(piece) == root;
+    if (here == 0) continue;
+    const int all = w.parts[b].count();
+    names.push_back(here == all ? fmt::format("\"{}\"", w.spec.bodies[b].name)
+                                : fmt::format("\"{}\" ({} of its {} parts that are not connected)", w.spec.bodies[b].name, here, all));
+  }
+  return names;
 }
 
 /// B-splines: as many strains as unknowns, or some motions of the nodes cost nothing. Collective.
@@ -299,23 +351,35 @@ void refuse_jumps(const World& w) {
   });
 }
 
-void refuse_free_bodies(const World& w) {
+namespace {
+
+void look_at_supports(const World& w) {
   const Case& c = w.spec;
-  refuse_jumps(w);
+  Findings found;
+  found.look([&] { refuse_jumps(w); });
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) refuse_few_points(w, *mpm, share);
-  if (c.stages.front().steps.analysis != Analysis::quasi_static) return;
-  Groups groups = find_assemblies(w, share);
-  for (const auto& [root, assembly] : hold_assemblies(w, share, groups)) {
+  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) found.look([&] { refuse_few_points(w, *mpm, share); });
+  if (c.stages.front().steps.analysis != Analysis::quasi_static) return found.throw_if_any();
+  const Pieces pieces(w);
+  Groups groups = find_assemblies(w, share, pieces);
+  for (const auto& [root, assembly] : hold_assemblies(w, share, groups, pieces)) {
     const std::string motion = free_motion(c, assembly);
     if (motion.empty()) continue;
-    std::vector<std::string> names;
-    for (std::size_t b = 0; b < c.bodies.size(); ++b)
-      if (!c.bodies[b].rigid && groups.of(static_cast<int>(b)) == root) names.push_back("\"" + c.bodies[b].name + "\"");
-    throw InputError(fmt::format("{} {} can {}: nothing holds {} there. A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
-                                 "[contact.NAME] with something that is held, or analysis = \"dynamic\"",
-                                 names.size() == 1 ? "body" : "bodies", fmt::join(names, ", "), motion, names.size() == 1 ? "it" : "them"));
+    const std::vector<std::string> names = names_of(w, groups, pieces, root);
+    const bool one = names.size() == 1;
+    found.look([&] {
+      throw InputError(fmt::format("{} {}, near {}, can {}: nothing holds {} there. A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
+                                   "[contact.NAME] with something that is held, or analysis = \"dynamic\"",
+                                   one ? "body" : "bodies", fmt::join(names, ", "), place_text(c, assembly.centre()), motion, one ? "it" : "them"));
+    });
   }
+  found.throw_if_any();
+}
+
+}  // namespace
+
+void refuse_free_bodies(const World& w) {
+  tell_places(w.spec, [&] { look_at_supports(w); });
 }
 
 }  // namespace berm

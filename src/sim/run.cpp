@@ -256,6 +256,9 @@ private:
       log_.info(fmt::format("{} steps ended where the residual no longer fell, at most {:.1e} of the forces: states of "
                             "contact or yielding that come and go",
                             n_still_, worst_still_));
+    if (watch_.seen.columns > 0.0)
+      log_.info("cracks              of a law with a crack band: their path follows the lines of the grid. Before trusting it, turn the grid "
+                "(grid.angle, mesh.size) and compare");
     const StepTimes t = step_.times();
     log_.info(
         fmt::format("{} steps in {}: connectivity {:.1f} s, laws {:.1f} s, assembly {:.1f} s, linear solver {:.1f} s",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <span>
@@ -149,8 +150,10 @@ bool in_one_cell(const MpmDiscretisation& mpm, const SurfacePoint& s) {
   return inside.cell == outside.cell;
 }
 
-/// What the checks before a run want to know of a body.
-void keep(BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::vector<double> measures) {
+/// What the checks before a run want to know of a body. `width`: places that are farther apart are not connected.
+void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::vector<double> measures, double width) {
+  const double mean = std::accumulate(measures.begin(), measures.end(), 0.0) / std::max<std::size_t>(1, measures.size());
+  w.parts[body] = BodyParts(places, std::max(width, 2.0 * std::pow(mean, 1.0 / w.spec.dimension())));
   built.places[body] = std::move(places);
   built.measures[body] = std::move(measures);
 }
@@ -223,7 +226,7 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   }
   summary.points = static_cast<int>(points.x.size());
   w.bodies.push_back(summary);
-  keep(built, index, std::move(points.x), std::move(points.measure));
+  keep(w, built, index, std::move(points.x), std::move(points.measure), h);
 }
 
 void build_mpm(World& w, BuiltBodies& built) {
@@ -276,7 +279,7 @@ void build_fem(World& w, BuiltBodies& built) {
       summary.measure += measures.back();
       summary.mass += measures.back() * depth(c.space, c.thickness, centres.back().x()) * material.density;
     }
-    keep(built, b, std::move(centres), std::move(measures));
+    keep(w, built, b, std::move(centres), std::move(measures), longest_edge(mesh));
     summary.points = fem->points_of_body(index);
     summary.elements = mesh.n_cells();
     add_surface_of_mesh(c, index, mesh, fem->cell_size() / surface_points_per_cell(c), surface);
@@ -396,6 +399,7 @@ namespace {
 
 /// Everything but the memory that it takes may be wrong.
 void build(World& w) {
+  w.parts.resize(w.spec.bodies.size());
   BuiltBodies built{{}, std::vector<std::vector<Vec3>>(w.spec.bodies.size()), std::vector<std::vector<double>>(w.spec.bodies.size())};
   if (w.spec.method == Method::mpm)
     build_mpm(w, built);

@@ -6,6 +6,7 @@
 #include "bc/boundary.hpp"
 #include "case/case.hpp"
 #include "method/discretisation.hpp"
+#include "sim/body_parts.hpp"
 
 namespace berm {
 
@@ -35,6 +36,7 @@ struct World {
 
   std::vector<Joint> joints;  ///< of deformable bodies that touch at the start
   std::vector<int> layers;    ///< of the grid's nodes, by body; mpm
+  std::vector<BodyParts> parts;  ///< at the start, by body
 
   /// Points and anchors find cells and processes; connectivity and prescribed unknowns of the coming step. Collective.
   void begin_step();

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""The same run twice, and a run that was stopped: same.py BERM [--processes 1 2 3 4] [--short] [--markdown FILE]
+
+On the same number of processes the same case gives the same history and the same points, to the bit; so does a run that goes
+on from a checkpoint. Checksums of both are compared. Ends with 1 if any differ.
+"""
+
+import argparse
+import hashlib
+import pathlib
+import random
+import shutil
+import sys
+import tempfile
+
+import runs
+
+ITERATIVE = [*runs.SMALL, "solver.linear=iterative", "steps.count=4"]
+TWICE = {
+    "snap-back: disc by its gauge": ("disc", []),
+    "contact: block that slides": ("sliding", []),
+    "dam that slumps": ("slump", []),
+    "mixed u-p": ("drawn", runs.MIXED),
+    "space, multigrid": ("cylinder", ITERATIVE),
+}
+RESTARTED = {
+    "cracks in space, IMPL-EX": ("cylinder", [*runs.SMALL, "steps.count=20"]),
+    "gauge control past the peak": ("disc", []),
+    "contact that opens": ("unilateral", ["steps.count=40"]),
+    "friction, following pressure": ("sliding", ["steps.count=60"]),
+    "held surface, CPDI": ("held", ["grid.shape_functions=cpdi"]),
+    "domains that split": ("stretched", ["grid.shape_functions=cpdi"]),
+    "mixed u-p, points that travel": ("drawn", runs.MIXED),
+    "stages with motion": ("thrown", []),
+    "bodies on each other": ("stacked", []),
+    "ties between bodies": ("joined", []),
+    "FEM in space": ("fem_solid", ["steps.count=30"]),
+}
+
+
+def checksum(folder):
+    """Of the history and of the points at the end, without what differs by design: nothing."""
+    digest = hashlib.sha256((folder / "history.csv").read_bytes())
+    for _, path in runs.Run(folder).frames[-1:]:
+        files = sorted(pathlib.Path(path).parent.glob(pathlib.Path(path).stem + "*.vtu"))
+        for file in files:
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def run(name, label, processes, overrides, more=()):
+    out = runs.fresh(label)
+    return complete(name, out, processes, overrides, more)
+
+
+def complete(name, out, processes, overrides, more=()):
+    done = runs.call(runs.command(name, out, processes, overrides, more))
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(done.args)} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return out
+
+
+def twice(name, overrides, n):
+    a, b = (checksum(run(name, f"{name}_{n}_{k}", n, overrides)) for k in "ab")
+    return a, b
+
+
+def stopped(name, overrides, n, seed):
+    """Checksums of a whole run, and of one that goes on from a checkpoint of any step in its second half."""
+    whole = run(name, f"{name}_{n}_whole", n, overrides)
+    steps = runs.rows(whole) - 1
+    at = random.Random(f"{name}{n}{seed}").randrange(steps // 2 + 1, max(steps // 2 + 2, steps))
+    out = run(name, f"{name}_{n}_half", n, [*overrides, f"checkpoint.every_steps={at}"])
+    complete(name, out, n, overrides, ["--restart", str(out / "checkpoint.h5")])
+    return checksum(whole), checksum(out)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("berm")
+    parser.add_argument("--processes", type=int, nargs="+", default=[1, 2, 3, 4])
+    parser.add_argument("--short", action="store_true", help="two cases each on two processes")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--markdown", type=pathlib.Path)
+    a = parser.parse_args()
+    runs.BERM = str(pathlib.Path(a.berm).resolve())
+    runs.FOLDER = pathlib.Path(tempfile.mkdtemp(prefix="berm_same_"))
+    counts = [2] if a.short else a.processes
+    keep = slice(0, 2) if a.short else slice(None)
+    lines, failed = [], 0
+    for title, cases, work in (("the same run twice", TWICE, twice), ("stopped and gone on", RESTARTED, None)):
+        lines += ["", f"| {title} | " + " | ".join(f"{n} process{'es' if n > 1 else ''}" for n in counts) + " |",
+                  "|---|" + "---|" * len(counts)]
+        for what, (name, overrides) in list(cases.items())[keep]:
+            cells = []
+            for n in counts:
+                first, second = work(name, overrides, n) if work else stopped(name, overrides, n, a.seed)
+                failed += first != second
+                cells.append(f"{first} =" if first == second else f"{first} ≠ {second}")
+            lines.append(f"| {what} | " + " | ".join(cells) + " |")
+            print(lines[-1], flush=True)
+    if a.markdown:
+        a.markdown.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    shutil.rmtree(runs.FOLDER, ignore_errors=True)
+    print(f"{failed} differ")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
