@@ -72,7 +72,7 @@ Table<Solver> solver_table() {
       "how linear systems are solved; automatic: directly in the plane, iteratively if large in space");
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
-  t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
+  t.string("petsc", &Solver::petsc, "string", "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\"; others, and those that write files, need berm run --allow-petsc-files");
   return t;
 }
 
