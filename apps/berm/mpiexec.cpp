@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -91,11 +92,30 @@ int file_of(const std::string& text) {
   return fd;
 }
 
+/// Hands on what mpiexec prints. mpiexec itself ends a run whose reader has gone; from here on the words are then lost, and the
+/// log has them.
+void pass_on_words(int from) {
+  char words[65536];
+  for (bool heard = true;;) {
+    const ssize_t n = read(from, words, sizeof words);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    for (ssize_t done = 0; heard && done < n;) {
+      const ssize_t more = write(STDOUT_FILENO, words + done, static_cast<std::size_t>(n - done));
+      heard = more >= 0 || errno == EINTR;
+      if (!heard && errno != EPIPE)
+        fmt::print(stderr, "berm: the terminal takes no more words ({}): the rest is in the log\n", std::strerror(errno));
+      done += std::max<ssize_t>(more, 0);
+    }
+  }
+}
+
 /// `input` in the place of standard input: a group in the background is stopped when it reads a terminal.
-[[noreturn]] void become_mpiexec(std::vector<std::string> words, int input) {
+[[noreturn]] void become_mpiexec(std::vector<std::string> words, int input, int output) {
   setpgid(0, 0);  // Ctrl-C in a terminal reaches the whole group: this one must hear of it from us alone
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   dup2(input, STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
   std::vector<char*> argv;
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
@@ -139,9 +159,12 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks), own_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   const int text = file_of(input);
+  int out[2];
+  if (pipe2(out, O_CLOEXEC) != 0) throw RunError(fmt::format("cannot start mpiexec: {}", std::strerror(errno)));
   const pid_t child = fork();
-  if (child == 0) become_mpiexec(std::move(words), text);
+  if (child == 0) become_mpiexec(std::move(words), text, out[1]);
   close(text);
+  close(out[1]);
   if (child < 0) {
     fmt::print(stderr, "berm: cannot start mpiexec: no process left\n");
     return failed;
@@ -149,6 +172,7 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   mpiexec = child;
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) handle(number);
   if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(SIGHUP);  // nohup
+  pass_on_words(out[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

@@ -91,7 +91,7 @@ def limit_of_file_size():
     if why := wrong(berm(*words), 0):
         return why
     whole = os.path.getsize("out/case/checkpoint.h5")
-    for size in range(4096, whole, 4096):  # HDF5's own tables do not fit, or the points do not
+    for size in range(4096, whole, 8192):  # HDF5's own tables do not fit, or the points do not
         why = wrong(berm(*words, "--force", "--set", "output.frames=1", preexec_fn=limited_files(size)), 1, "cannot write out/case/", "ulimit -f")
         if why or "checkpoint.h5.part" in files("out/case") or any(name.endswith(".tmp") for name in files("out/case")):
             return f"{size} bytes: {why} {files('out/case')}"
@@ -105,7 +105,7 @@ def full_disk():
         print("full_disk: only root may mount one; limit_of_file_size stands for it")
         return ""
     try:
-        for kilobytes in range(28, 200, 8):
+        for kilobytes in range(28, 200, 16):
             subprocess.run(["mount", "-o", f"remount,size={kilobytes}k", "small"], check=True)
             subprocess.run("rm -rf small/*", shell=True, check=True)
             done = berm("run", "case.toml", "--out", "small/out", "--set", "checkpoint.every_steps=1", "--quiet")
