@@ -139,8 +139,8 @@ std::string own_path() { return std::filesystem::read_symlink("/proc/self/exe").
 void check_processes(int ranks, bool oversubscribe) {
   const int n = cores();
   if (ranks > n && !oversubscribe)
-    throw InputError(fmt::format("-n {}: this machine has {} core{} for berm, and processes that share one wait for each other: take -n {}, "
-                                 "or --oversubscribe to have it so",
+    throw InputError(fmt::format("-n {}: this machine has {} core{} for berm, and processes that share one wait for each other: "
+                                 "take -n {}, or --oversubscribe to have it so",
                                  ranks, n, n > 1 ? "s" : "", n));
   if (ranks > most_per_core * n)
     throw InputError(fmt::format("-n {}: not more than {} processes, {} a core", ranks, most_per_core * n, most_per_core));
