@@ -105,7 +105,7 @@ def full_disk():
         print("full_disk: only root may mount one; limit_of_file_size stands for it")
         return ""
     try:
-        for kilobytes in range(28, 200, 16):
+        for kilobytes in range(28, 400, 24):
             subprocess.run(["mount", "-o", f"remount,size={kilobytes}k", "small"], check=True)
             subprocess.run("rm -rf small/*", shell=True, check=True)
             done = berm("run", "case.toml", "--out", "small/out", "--set", "checkpoint.every_steps=1", "--quiet")
@@ -362,7 +362,7 @@ def progress():
     """A line at least every five seconds, also of a run of slow steps."""
     pathlib.Path("long.toml").write_text(LONG)
     process = subprocess.Popen([BERM, "run", "long.toml"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(8)
+    time.sleep(6.5)
     process.terminate()
     out, _ = process.communicate(timeout=60)
     return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
