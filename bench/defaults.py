@@ -43,7 +43,7 @@ def chosen(berm, case, sets):
 def measure(berm, case, sets, out, limit):
     """(seconds, MB, energy error, transfer) or the reason why not."""
     with open(f"{out}.log", "w", encoding="utf-8") as log:
-        process = subprocess.Popen(["timeout", str(limit), berm, "run", case, "--out", out, *sets], stdout=log, stderr=log)
+        process = subprocess.Popen(["timeout", str(limit), berm, "run", case, "--force", "--out", out, *sets], stdout=log, stderr=log)
         _, status, usage = os.wait4(process.pid, 0)
     try:
         run = Run(out)

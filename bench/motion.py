@@ -66,7 +66,7 @@ def energies(berm, text, folder, transfer, basis, mass):
     case = folder / "case.toml"
     case.write_text(text)
     keys = [f'dynamics.transfer="{transfer}"', f'grid.shape_functions="{basis}"', f'dynamics.mass="{mass}"']
-    command = [berm, "run", str(case), "--quiet", "--out", str(folder / "out")]
+    command = [berm, "run", str(case), "--quiet", "--force", "--out", str(folder / "out")]
     for key in keys:
         command += ["--set", key]
     subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)

@@ -47,7 +47,7 @@ SOLID = dict(model="dimension = 3", gravity="[0.0, 0.0, -10.0]", grid="cells = [
 def measure(berm, text, folder):
     """Milliseconds an iteration by phase and in all; unknowns."""
     (folder / "case.toml").write_text(text)
-    out = subprocess.run([berm, "run", str(folder / "case.toml"), "--out", str(folder / "out")], check=True, text=True,
+    out = subprocess.run([berm, "run", str(folder / "case.toml"), "--force", "--out", str(folder / "out")], check=True, text=True,
                          capture_output=True).stdout
     with open(folder / "out" / "history.csv") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))

@@ -84,7 +84,7 @@ def test_case(berm, name, listed, out):
     if name not in listed:
         return call([berm, "check", path])
     folder = pathlib.Path(out) / pathlib.Path(name).with_suffix("")
-    return call([berm, "run", path, "--quiet", "--out", folder, *sets(listed[name])]) or call(
+    return call([berm, "run", path, "--quiet", "--force", "--out", folder, *sets(listed[name])]) or call(
         [sys.executable, COMPARE, folder, expected_file(name)]
     )
 

@@ -1,57 +1,122 @@
-/// The command line: run | check | schema | report | sweep | version.
+/// The command line: run | check | schema | report | sweep | factor_of_safety | completion | version.
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdlib>
+#include <algorithm>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/shell_word.hpp"
+#include "build.hpp"
+#include "case/problems.hpp"
 #include "case/read_case.hpp"
 #include "comm/comm.hpp"
+#include "completion.hpp"
 #include "la/newton.hpp"
 #include "mpiexec.hpp"
+#include "python.hpp"
 #include "sim/preflight.hpp"
 #include "sim/run.hpp"
 #include "sim/world.hpp"
+#include "streams.hpp"
+#include "temporary_folder.hpp"
 
 namespace {
 
 constexpr int exit_done = 0, exit_failed = 1, exit_bad_input = 2;
+/// In the place of a case file: standard input, and what it is called then.
+constexpr const char *from_input = "-", *input_name = "stdin";
 
-/// Replaces this process by the Python tool `module` with the given arguments. Returns only if Python is missing.
-int python(const std::string& module, const std::vector<std::string>& arguments) {
-  const char* path = std::getenv("PYTHONPATH");
-  const std::string python_path = std::string(BERM_PYTHON_DIR) + (path ? std::string(":") + path : "");
-  setenv("PYTHONPATH", python_path.c_str(), 1);
-  // Debian's own interpreter has matplotlib and VTK; another one first in the PATH may not.
-  const char* chosen = std::getenv("BERM_PYTHON");
-  const char* interpreter = chosen ? chosen : "/usr/bin/python3";
-  // Python looks for its packages beside the name it is called by.
-  std::vector<std::string> words = {interpreter, "-m", module};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& w : words) argv.push_back(w.data());
-  argv.push_back(nullptr);
-  execv(interpreter, argv.data());
-  fmt::print(stderr, "berm: cannot start {}: {}\n", interpreter,
-             chosen ? "BERM_PYTHON must be the path of a Python interpreter"
-                    : "install python3, python3-matplotlib and python3-vtk9");
-  return exit_failed;
+/// What the user typed.
+struct Words {
+  std::string file, out, restart, format = "markdown", shell;
+  std::vector<std::string> overrides;
+  int ranks = 1;
+  bool quiet = false, force = false, oversubscribe = false, petsc_files = false;
+};
+
+/// The tools in Python, by subcommand: module, and what they do.
+const std::map<std::string, std::pair<const char*, const char*>> tools = {
+    {"report", {"berm.report", "draw curves and maps of one or more output folders"}},
+    {"sweep", {"berm.sweep", "run the variants of a sweep file and compare them"}},
+    {"factor_of_safety", {"berm.factor_of_safety", "reduce the strength of a case until it fails"}}};
+
+void add_options_of_case(CLI::App* command, Words& w) {
+  command->add_option("case", w.file, "case file (TOML); - reads it from standard input")->required();
+  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all();
+  command->add_flag("--allow-petsc-files", w.petsc_files, "let solver.petsc write files and set any option of PETSc");
+}
+
+void add_commands(CLI::App& app, Words& w) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "berm " BERM_VERSION, "print the version");
+
+  CLI::App* run = app.add_subcommand("run", "run a case file");
+  add_options_of_case(run, w);
+  run->add_option("--out", w.out, "output folder (default: out/<name of the case>)");
+  run->add_flag("--force", w.force, "replace the results of a run that came to its end");
+  run->add_option("-n", w.ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::PositiveNumber);
+  run->add_flag("--oversubscribe", w.oversubscribe, "more processes than cores");
+  run->add_option("--restart", w.restart, "checkpoint.h5 to go on from, on any number of processes");
+  run->add_flag("--quiet", w.quiet, "only warnings and errors");
+
+  add_options_of_case(app.add_subcommand("check", "build everything, run nothing, say what was found"), w);
+
+  CLI::App* schema = app.add_subcommand("schema", "print the reference of all case keys");
+  schema->add_option("--format", w.format, "markdown or json")->check(CLI::IsMember({"markdown", "json"}));
+
+  for (const auto& [name, tool] : tools) {
+    CLI::App* command = app.add_subcommand(name, tool.second);
+    command->prefix_command();
+    command->set_help_flag();  // --help is the tool's
+  }
+  CLI::App* completion = app.add_subcommand("completion", "print a script that completes the command line in a shell");
+  completion->add_option("shell", w.shell, "bash")->required()->check(CLI::IsMember({"bash"}));
+  app.add_subcommand("version", "print the version and the commit");
+}
+
+std::vector<std::string> names_of_commands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(command->get_name());
+  return names;
+}
+
+std::string completion_script(const CLI::App& app) {
+  std::vector<CommandWords> commands;
+  for (const std::string& name : names_of_commands(app)) {
+    CommandWords words{name, {}};
+    if (!tools.contains(name))
+      for (const CLI::Option* option : app.get_subcommand(name)->get_options())
+        for (const auto& [list, dashes] : {std::pair{option->get_lnames(), "--"}, {option->get_snames(), "-"}})
+          for (const std::string& o : list) words.options.push_back(dashes + o);
+    commands.push_back(words);
+  }
+  return bash_completion(commands);
+}
+
+/// A first word that is no subcommand, which CLI11 would complain of without a remedy; 0: there is none.
+int refuse_command(const CLI::App& app, int argc, char** argv) {
+  const std::vector<std::string> names = names_of_commands(app);
+  if (argc < 2 || argv[1][0] == '-' || std::find(names.begin(), names.end(), argv[1]) != names.end()) return 0;
+  fmt::print(stderr, "berm: \"{}\" is no command{}; see berm --help\n", argv[1], berm::suggestion(argv[1], names));
+  return exit_bad_input;
 }
 
 /// Errors are the same on all processes, or else the one that has it ends them all.
-int guarded(const std::function<void()>& work) {
+int guarded(const std::function<int()>& work) {
   const bool alone = ranks_of_launcher() == 1;
   const auto fail = [&](const std::string& text, int code) {
     if (alone || berm::Comm::world().is_root()) fmt::print(stderr, "{}\n", text);
     return code;
   };
   try {
-    work();
-    return exit_done;
+    return work();
   } catch (const berm::InputError& error) {
     return fail(error.what(), exit_bad_input);
   } catch (const berm::RunError& error) {
@@ -63,79 +128,84 @@ int guarded(const std::function<void()>& work) {
   }
 }
 
+/// mpiexec gives standard input to the first process alone.
+berm::Case read_case(const Words& w) {
+  berm::ReadOptions options;
+  options.allow_petsc_files = w.petsc_files;
+  if (w.file != from_input) return berm::read_case(w.file, w.overrides, options);
+  const berm::Comm comm = berm::Comm::world();
+  std::string text;
+  comm.agree([&] {
+    if (comm.is_root()) text = read_standard_input();
+  });
+  options.text = comm.broadcast(text);
+  return berm::read_case(input_name, w.overrides, options);
+}
+
+int check(const Words& w) {
+  if (ranks_of_launcher() > 1) berm::start_petsc();  // so that errors of the case are told once
+  const berm::Comm comm = berm::Comm::world();
+  auto world = berm::build_world(read_case(w), comm);
+  berm::refuse_free_bodies(*world);
+  const std::string text = berm::describe(*world);
+  return comm.is_root() ? print_out(text) : exit_done;
+}
+
+std::filesystem::path output_folder(const Words& w) {
+  if (!w.out.empty()) return w.out;
+  return std::filesystem::path("out") / (w.file == from_input ? input_name : std::filesystem::path(w.file).stem());
+}
+
+int run(const Words& w, const std::vector<std::string>& arguments) {
+  const bool first = ranks_of_launcher() == 1;
+  if (first) {
+    check_processes(w.ranks, w.oversubscribe);
+    look_for_temporary_folder(w.ranks, output_folder(w));
+  }
+  if (w.ranks > 1 && first)
+    return run_under_mpiexec(w.ranks, arguments, w.file == from_input ? read_standard_input() : "");
+  if (!first) berm::start_petsc();
+  berm::RunOptions options;
+  options.restart = w.restart;
+  options.folder = output_folder(w);
+  options.quiet = w.quiet;
+  options.replace_finished = w.force;
+  options.origin = {BERM_VERSION, build_commit, "", "berm"};
+  for (const std::string& word : arguments) options.origin.command += " " + berm::shell_word(word);
+  // mpiexec gives the processes a terminal of its own, wherever their words go in the end.
+  if (!first) options.is_interactive = user_sees_terminal();
+  berm::run_case(read_case(w), options);
+  return exit_done;
+}
+
+int run_tool(const std::string& name, std::vector<std::string> arguments) {
+  if (name != "report") arguments.insert(arguments.end(), {"--berm", own_path()});
+  return run_python(tools.at(name).first, arguments);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  prepare_streams();
   CLI::App app{"berm: material point method for civil engineering"};
-  app.require_subcommand(1);
-  std::string file, out, restart, format = "markdown";
-  std::vector<std::string> overrides, words;
-  int ranks = 1;
-  bool quiet = false;
-
-  CLI::App* run = app.add_subcommand("run", "run a case file");
-  run->add_option("case", file, "case file (TOML)")->required();
-  run->add_option("--out", out, "output folder (default: out/<name of the case>)");
-  run->add_option("--set", overrides, "override a key: --set solver.integration=impl_ex")->take_all();
-  run->add_option("-n", ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::Range(1, 100000));
-  run->add_option("--restart", restart, "checkpoint.h5 to go on from, on any number of processes");
-  run->add_flag("--quiet", quiet, "only warnings and errors");
-
-  CLI::App* check = app.add_subcommand("check", "build everything, run nothing, say what was found");
-  check->add_option("case", file, "case file (TOML)")->required();
-  check->add_option("--set", overrides, "override a key")->take_all();
-
-  CLI::App* schema = app.add_subcommand("schema", "print the reference of all case keys");
-  schema->add_option("--format", format, "markdown or json")->check(CLI::IsMember({"markdown", "json"}));
-
-  CLI::App* report = app.add_subcommand("report", "draw curves and maps of one or more output folders");
-  report->prefix_command();
-  CLI::App* sweep = app.add_subcommand("sweep", "run the variants of a sweep file and compare them");
-  sweep->prefix_command();
-  CLI::App* safety = app.add_subcommand("factor_of_safety", "reduce the strength of a case until it fails");
-  safety->prefix_command();
-  CLI::App* version = app.add_subcommand("version", "print the version");
-
+  Words w;
+  add_commands(app, w);
+  if (const int code = refuse_command(app, argc, argv); code != exit_done) return code;
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? exit_done : exit_bad_input;
+    std::ostringstream out;
+    if (app.exit(error, out, std::cerr) != 0) return exit_bad_input;
+    return print_out(out.str());
   }
-
-  if (version->parsed()) {
-    fmt::print("berm {}\n", BERM_VERSION);
-    return exit_done;
-  }
-  if (schema->parsed()) {
-    fmt::print("{}\n", format == "json" ? berm::schema_json() : berm::schema_markdown());
-    return exit_done;
-  }
-  if (report->parsed()) return python("berm.report", report->remaining());
-  for (const auto& [command, module] : {std::pair{sweep, "berm.sweep"}, {safety, "berm.factor_of_safety"}})
-    if (command->parsed()) {
-      std::vector<std::string> arguments = command->remaining();
-      arguments.insert(arguments.end(), {"--berm", std::filesystem::read_symlink("/proc/self/exe").string()});
-      return python(module, arguments);
-    }
-  if (check->parsed())
-    return guarded([&] {
-      if (ranks_of_launcher() > 1) berm::start_petsc();
-      const berm::Comm comm = berm::Comm::world();
-      auto world = berm::build_world(berm::read_case(file, overrides), comm);
-      berm::refuse_free_bodies(*world);
-      const std::string text = berm::describe(*world);
-      if (comm.is_root()) fmt::print("{}", text);
-    });
-  if (ranks > 1 && ranks_of_launcher() == 1) return run_under_mpiexec(ranks, {argv + 1, argv + argc});
+  const CLI::App* command = app.get_subcommands().front();
+  const std::string name = command->get_name();
+  if (tools.contains(name)) return run_tool(name, command->remaining());
   return guarded([&] {
-    if (ranks_of_launcher() > 1) berm::start_petsc();  // so that errors of the case are told once
-    berm::RunOptions options;
-    options.restart = restart;
-    options.folder =
-        out.empty() ? std::filesystem::path("out") / std::filesystem::path(file).stem() : std::filesystem::path(out);
-    options.quiet = quiet;
-    // mpiexec gives the processes a terminal of its own, wherever their words go in the end.
-    if (ranks_of_launcher() > 1) options.is_interactive = user_sees_terminal();
-    berm::run_case(berm::read_case(file, overrides), options);
+    if (name == "check") return check(w);
+    if (name == "run") return run(w, {argv + 1, argv + argc});
+    if (name == "schema") return print_out((w.format == "json" ? berm::schema_json() : berm::schema_markdown()) + "\n");
+    if (name == "completion") return print_out(completion_script(app));
+    return print_out(fmt::format("berm {}{}\n", BERM_VERSION, *build_commit ? fmt::format(" (commit {})", build_commit) : ""));
   });
 }

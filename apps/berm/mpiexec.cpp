@@ -2,18 +2,32 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sched.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+
+#include "base/error.hpp"
 
 namespace {
 
+using berm::InputError;
+using berm::RunError;
+
 constexpr int failed = 1;
+/// Even those who share cores on purpose get no more processes than so many a core.
+constexpr int most_per_core = 64;
+/// Open MPI shares memory in files of 4 MB.
+constexpr rlim_t largest_file = 8'000'000;
 /// Set for the processes below mpiexec if the user sees a terminal.
 constexpr const char* terminal_variable = "BERM_TERMINAL";
 
@@ -35,15 +49,78 @@ void handle(int number) {
   sigaction(number, &action, nullptr);
 }
 
-[[noreturn]] void become_mpiexec(std::vector<std::string> words) {
+/// Those that this process may use.
+int cores() {
+  cpu_set_t set;
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
+}
+
+/// Whether the PATH leads to mpiexec.
+bool finds_mpiexec() {
+  const char* path = std::getenv("PATH");
+  const std::string folders = path ? path : "";
+  for (std::size_t begin = 0; begin <= folders.size();) {
+    const std::size_t end = std::min(folders.find(':', begin), folders.size());
+    const std::string folder = end > begin ? folders.substr(begin, end - begin) : ".";
+    if (access((folder + "/mpiexec").c_str(), X_OK) == 0) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
+void look_for_mpiexec() {
+  if (finds_mpiexec()) return;
+  const char* path = std::getenv("PATH");
+  const std::string usual = "/usr/local/bin:/usr/bin:/bin";
+  setenv("PATH", (path && *path ? std::string(path) + ":" + usual : usual).c_str(), 1);
+  if (!finds_mpiexec())
+    throw RunError(fmt::format("cannot find mpiexec in PATH ({}): install openmpi-bin, or add its folder", std::getenv("PATH")));
+}
+
+void check_limit_of_files() {
+  rlimit limit;
+  if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < largest_file)
+    throw RunError(fmt::format("files may have {} bytes only, {} are needed for several processes: see ulimit -f", limit.rlim_cur,
+                               largest_file));
+}
+
+/// A file without a name that holds the text.
+int file_of(const std::string& text) {
+  const int fd = memfd_create("berm", MFD_CLOEXEC);
+  if (fd < 0 || write(fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()) || lseek(fd, 0, SEEK_SET) != 0)
+    throw RunError(fmt::format("cannot hand standard input on: {}", std::strerror(errno)));
+  return fd;
+}
+
+/// Hands on what mpiexec prints. mpiexec itself ends a run whose reader has gone; from here on the words are then lost, and the
+/// log has them.
+void pass_on_words(int from) {
+  char words[65536];
+  for (bool heard = true;;) {
+    const ssize_t n = read(from, words, sizeof words);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return;
+    for (ssize_t done = 0; heard && done < n;) {
+      const ssize_t more = write(STDOUT_FILENO, words + done, static_cast<std::size_t>(n - done));
+      heard = more >= 0 || errno == EINTR;
+      if (!heard && errno != EPIPE)
+        fmt::print(stderr, "berm: the terminal takes no more words ({}): the rest is in the log\n", std::strerror(errno));
+      done += std::max<ssize_t>(more, 0);
+    }
+  }
+}
+
+/// `input` in the place of standard input: a group in the background is stopped when it reads a terminal.
+[[noreturn]] void become_mpiexec(std::vector<std::string> words, int input, int output) {
   setpgid(0, 0);  // Ctrl-C in a terminal reaches the whole group: this one must hear of it from us alone
   prctl(PR_SET_PDEATHSIG, SIGTERM);
-  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);  // a group in the background is stopped when it reads a terminal
+  dup2(input, STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
   std::vector<char*> argv;
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   execvp("mpiexec", argv.data());
-  fmt::print(stderr, "berm: cannot start mpiexec: install openmpi-bin\n");
+  fmt::print(stderr, "berm: cannot start mpiexec: {}\n", std::strerror(errno));
   std::_Exit(failed);
 }
 
@@ -57,7 +134,21 @@ int ranks_of_launcher() {
 
 bool user_sees_terminal() { return std::getenv(terminal_variable) != nullptr; }
 
-int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments) {
+std::string own_path() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+
+void check_processes(int ranks, bool oversubscribe) {
+  const int n = cores();
+  if (ranks > n && !oversubscribe)
+    throw InputError(fmt::format("-n {}: this machine has {} core{} for berm, and processes that share one wait for each other: "
+                                 "take -n {}, or --oversubscribe to have it so",
+                                 ranks, n, n > 1 ? "s" : "", n));
+  if (ranks > most_per_core * n)
+    throw InputError(fmt::format("-n {}: not more than {} processes, {} a core", ranks, most_per_core * n, most_per_core));
+}
+
+int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, const std::string& input) {
+  look_for_mpiexec();
+  check_limit_of_files();
   // Root may run a program with mpiexec as well as without (containers, CI); more processes than cores are the user's
   // choice; the last words are ours, not mpiexec's about an exit code.
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
@@ -65,18 +156,23 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments) {
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
   setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
   if (isatty(STDOUT_FILENO) == 1) setenv(terminal_variable, "1", 1);
-  std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks),
-                                    std::filesystem::read_symlink("/proc/self/exe").string()};
+  std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks), own_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
+  const int text = file_of(input);
+  int out[2];
+  if (pipe2(out, O_CLOEXEC) != 0) throw RunError(fmt::format("cannot start mpiexec: {}", std::strerror(errno)));
   const pid_t child = fork();
-  if (child == 0) become_mpiexec(std::move(words));
+  if (child == 0) become_mpiexec(std::move(words), text, out[1]);
+  close(text);
+  close(out[1]);
   if (child < 0) {
     fmt::print(stderr, "berm: cannot start mpiexec: no process left\n");
     return failed;
   }
   mpiexec = child;
-  handle(SIGINT);
-  handle(SIGTERM);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) handle(number);
+  if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(SIGHUP);  // nohup
+  pass_on_words(out[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

@@ -11,6 +11,14 @@ int ranks_of_launcher();
 /// case.
 bool user_sees_terminal();
 
-/// Runs `mpiexec -n ranks berm ...` with the same arguments and returns its exit code. SIGINT and SIGTERM become SIGUSR1,
-/// which mpiexec passes on at once and for which the processes end in good order; a second one ends them as they are.
-int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments);
+/// Path of this program.
+std::string own_path();
+
+/// Throws InputError if that many processes would share cores and the user has not said that they may, or if they are so
+/// many that the machine would be of no use to anybody.
+void check_processes(int ranks, bool oversubscribe);
+
+/// Runs `mpiexec -n ranks berm ...` with the same arguments and returns its exit code; `input` is what the first process reads
+/// from standard input. SIGINT, SIGTERM and SIGHUP become SIGUSR1, which mpiexec passes on at once and for which the processes
+/// end in good order; a second one ends them as they are. Throws RunError if mpiexec cannot work here.
+int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, const std::string& input);

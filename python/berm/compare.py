@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from berm import words
 from berm.results import ResultError, Run
 
 TOLERANCE = 1e-6
@@ -208,4 +209,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words.run(main)

@@ -25,6 +25,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from berm import words
+from berm.files import new_file
 from berm.results import ResultError, Run
 from berm.sweep import find_berm
 
@@ -169,13 +171,14 @@ class Search:
 
     def write(self, low, high):
         rows = sorted(self.trials, key=lambda t: t.factor)
-        with open(os.path.join(self.out, "factor_of_safety.csv"), "w", newline="", encoding="utf-8") as file:
+        with new_file(os.path.join(self.out, "factor_of_safety.csv")) as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(["factor [-]", "stands [-]", "share_of_run [-]", "largest_displacement [m]", "reason"])
             for t in rows:
                 writer.writerow([f"{t.factor:.6g}", int(t.stands), f"{t.share:.6g}", f"{t.displacement:.6g}", t.reason])
         figure = safety_figure(rows, low, high)
-        figure.savefig(os.path.join(self.out, "factor_of_safety.png"))
+        with new_file(os.path.join(self.out, "factor_of_safety.png"), binary=True) as file:
+            figure.savefig(file, format="png")
 
 
 def safety_figure(trials, low, high):
@@ -244,4 +247,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words.run(main)

@@ -16,6 +16,8 @@ import sys
 
 import numpy as np
 
+from berm import words
+from berm.files import new_file
 from berm.results import Curve, ResultError, Run, split_unit
 
 STYLE = """
@@ -153,7 +155,7 @@ class Pictures:
         figure.savefig(buffer, format="png")
         width = round(figure.get_figwidth() * 96)
         plt.close(figure)
-        with open(os.path.join(self.folder, f"{name}.png"), "wb") as file:
+        with new_file(os.path.join(self.folder, f"{name}.png"), binary=True) as file:
             file.write(buffer.getvalue())
         data = base64.b64encode(buffer.getvalue()).decode()
         note = f"<figcaption>{caption}</figcaption>" if caption else ""
@@ -163,7 +165,7 @@ class Pictures:
 
 
     def animation_html(self, data, name, alt, caption):
-        with open(os.path.join(self.folder, f"{name}.gif"), "wb") as file:
+        with new_file(os.path.join(self.folder, f"{name}.gif"), binary=True) as file:
             file.write(data)
         text = base64.b64encode(data).decode()
         return (
@@ -456,7 +458,7 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
                 "</body></html>\n",
             )
         )
-        with open(out, "w", encoding="utf-8") as file:
+        with new_file(out) as file:
             file.write(content)
     except OSError as error:
         raise ResultError(f"cannot write the report: {error}") from None
@@ -484,4 +486,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words.run(main)

@@ -16,6 +16,8 @@ import subprocess
 import sys
 import tomllib
 
+from berm import words
+from berm.files import new_file
 from berm.report import write_report
 from berm.results import ResultError, Run
 
@@ -133,7 +135,7 @@ def sweep(options):
         header, rows = metrics_table(runs)
         print()
         print_table(header, rows)
-        with open(os.path.join(out, "sweep.csv"), "w", newline="", encoding="utf-8") as file:
+        with new_file(os.path.join(out, "sweep.csv")) as file:
             csv.writer(file, lineterminator="\n").writerows(
                 [header, *(["nan" if v is None else v for v in row] for row in rows)]
             )
@@ -165,4 +167,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    words.run(main)

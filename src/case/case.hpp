@@ -305,6 +305,7 @@ struct Case {
   Solver solver;      ///< what stages begin with
   Dynamics dynamics;  ///< likewise
   std::vector<Stage> stages;  ///< in their order, one at least
+  std::string petsc_place;    ///< where solver.petsc was written, for what PETSc says of it
   Output output;
   Checkpoint checkpoint;
   Parallel parallel;

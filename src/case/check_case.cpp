@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "case/petsc_options.hpp"
 #include "case/tables.hpp"
 
 namespace berm {
@@ -26,8 +27,8 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
 
 class Checker {
 public:
-  Checker(const Case& c, Node& root, Problems& problems)
-      : c_(c), root_{problems, root, "", {c.file.string(), "", 0, 0}} {}
+  Checker(const Case& c, Node& root, Problems& problems, bool allow_petsc_files)
+      : c_(c), root_{problems, root, "", {c.file.string(), "", 0, 0}}, allow_petsc_files_(allow_petsc_files) {}
 
   void run() {
     check_bodies();
@@ -38,6 +39,7 @@ public:
     check_radii();
     check_integration();
     check_stages();
+    check_petsc();
     check_fluids();
     check_plane_stress();
     check_volumetric();
@@ -445,12 +447,20 @@ private:
     }
   }
 
+  void check_petsc() const {
+    if (const std::string why = problem_of_petsc(c_.solver.petsc, allow_petsc_files_); !why.empty())
+      at("solver").explain("petsc", why);
+  }
+
   const Case& c_;
   Scope root_;
+  bool allow_petsc_files_;
 };
 
 }  // namespace
 
-void check_case(const Case& c, Node& root, Problems& problems) { Checker(c, root, problems).run(); }
+void check_case(const Case& c, Node& root, Problems& problems, bool allow_petsc_files) {
+  Checker(c, root, problems, allow_petsc_files).run();
+}
 
 }  // namespace berm

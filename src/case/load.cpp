@@ -18,12 +18,16 @@ namespace fs = std::filesystem;
 
 /// No case is larger; keeps a wrong file name (a video, say) from being parsed.
 constexpr std::uintmax_t max_bytes = 4'000'000;
+/// In the place of a file's identity, which begins with a /.
+constexpr const char* given_text = "-";
 
 std::optional<std::string> read_text(const std::string& path, const Place& place, Problems& problems) {
   std::error_code status;
   if (!fs::is_regular_file(path, status)) {
-    problems.error(
-        place, fmt::format("case file \"{}\" {}", path, fs::exists(path, status) ? "is not a file" : "does not exist"));
+    problems.error(place, fmt::format("case file \"{}\" {}", path,
+                                      fs::is_directory(path, status) ? "is a folder: name a file in it"
+                                      : fs::exists(path, status)     ? "is not a file"
+                                                                     : "does not exist"));
     return std::nullopt;
   }
   if (fs::file_size(path, status) > max_bytes) {
@@ -31,12 +35,13 @@ std::optional<std::string> read_text(const std::string& path, const Place& place
     return std::nullopt;
   }
   std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in) {
-    problems.error(place, fmt::format("\"{}\" cannot be read", path));
-    return std::nullopt;
+  try {  // files of /proc say only here that they cannot be read
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    if (in) return text;
+  } catch (const std::ios_base::failure&) {
   }
-  return text;
+  problems.error(place, fmt::format("case file \"{}\" cannot be read", path));
+  return std::nullopt;
 }
 
 /// Puts `over` on top of `under`. Merged tables take the place of `over`, except for overrides: an error about
@@ -94,15 +99,16 @@ void apply_remove(Node& root, const Node::Entry& remove, Problems& problems) {
   for (const Node& item : *items) remove_path(root, item, problems);
 }
 
-Node load_file(const std::string& path, const Place& asked_by, std::vector<std::string>& chain, Problems& problems) {
+Node load_file(const std::string& path, const Place& asked_by, std::vector<std::string>& chain,
+               const std::optional<std::string>& given, Problems& problems) {
   std::error_code status;
-  const std::string identity = fs::weakly_canonical(path, status).string();
+  const std::string identity = given ? given_text : fs::weakly_canonical(path, status).string();
   if (std::find(chain.begin(), chain.end(), identity) != chain.end()) {
     problems.error(asked_by,
                    fmt::format("\"base\" goes round in a circle: {} -> {}", fmt::join(chain, " -> "), identity));
     return {};
   }
-  const auto text = read_text(path, asked_by, problems);
+  const auto text = given ? given : read_text(path, asked_by, problems);
   if (!text) return {};
   Node own = parse_toml(*text, path, problems);
   const Node::Entry* base = own.find("base");
@@ -113,7 +119,7 @@ Node load_file(const std::string& path, const Place& asked_by, std::vector<std::
   } else if (base) {
     chain.push_back(identity);
     const fs::path base_path = (fs::path(path).parent_path() / *base->value.string()).lexically_normal();
-    merged = load_file(base_path.string(), base->value.place, chain, problems);
+    merged = load_file(base_path.string(), base->value.place, chain, std::nullopt, problems);
     chain.pop_back();
     if (remove && problems.empty()) apply_remove(merged, *remove, problems);
   } else if (remove) {
@@ -127,9 +133,10 @@ Node load_file(const std::string& path, const Place& asked_by, std::vector<std::
 
 }  // namespace
 
-Node load_case(const std::string& path, const std::vector<std::string>& overrides, Problems& problems) {
+Node load_case(const std::string& path, const std::vector<std::string>& overrides, const std::optional<std::string>& given,
+               Problems& problems) {
   std::vector<std::string> chain;
-  Node root = load_file(path, {path, "", 0, 0}, chain, problems);
+  Node root = load_file(path, {path, "", 0, 0}, chain, given, problems);
   for (const std::string& text : overrides) {
     Node change = parse_override(text, problems);
     for (const char* key : {"base", "remove"}) {

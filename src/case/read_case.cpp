@@ -51,9 +51,9 @@ void remember_places(const Node& root, Case& c) {
 
 }  // namespace
 
-Case read_case(const std::string& path, const std::vector<std::string>& overrides) {
+Case read_case(const std::string& path, const std::vector<std::string>& overrides, const ReadOptions& options) {
   Problems problems;
-  Node root = load_case(path, overrides, problems);
+  Node root = load_case(path, overrides, options.text, problems);
   problems.throw_if_any(path);  // without a tree every key would be missing
 
   if (root.find("variant"))
@@ -67,10 +67,12 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   case_table().read(scope, c);
   line_up_stages(c);
   if (problems.empty()) choose_defaults(c, root);  // else the tree may hold anything
-  check_case(c, root, problems);
+  check_case(c, root, problems, options.allow_petsc_files);
   problems.throw_if_any(path);
   set_ends(c);
   remember_places(root, c);
+  if (const Node::Entry* solver = root.find("solver"))
+    if (const Node::Entry* petsc = solver->value.find("petsc")) c.petsc_place = petsc->value.place.text();
 
   c.resolved = "# The effective case: base merged, overrides applied, defaults written out.\n" + write_toml(root);
   c.warnings = problems.warnings();

@@ -77,7 +77,7 @@ Table<Solver> solver_table() {
       "large systems (1.5 times on two processes from 40 000 unknowns on), last digits differ from run to run");
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
-  t.string("petsc", &Solver::petsc, "string", "PETSc options, e.g. \"-ksp_view -snes_monitor\"");
+  t.string("petsc", &Solver::petsc, "string", "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\"; others, and those that write files, need berm run --allow-petsc-files");
   return t;
 }
 

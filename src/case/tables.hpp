@@ -53,7 +53,7 @@ void check_dimension(const Scope& root);
 const Table<Case>& case_table();
 
 // check_case.cpp
-/// What no single table can see: names that refer to other tables, what the method needs.
-void check_case(const Case& c, Node& root, Problems& problems);
+/// What no single table can see: names that refer to other tables, what the method needs, what the user lets the case do.
+void check_case(const Case& c, Node& root, Problems& problems, bool allow_petsc_files);
 
 }  // namespace berm

@@ -18,6 +18,8 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/system_file.hpp"
+#include "comm/hdf5_memory.hpp"
 #include "comm/seal.hpp"
 
 namespace berm {
@@ -40,7 +42,6 @@ public:
   ~Id() { close(); }
 
   bool close() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
-  void leave_open() { id_ = H5I_INVALID_HID; }
   bool valid() const { return id_ >= 0; }
   operator hid_t() const { return id_; }
 
@@ -83,7 +84,7 @@ Type type_of(const std::int32_t*) { return {H5T_STD_I32LE, H5T_NATIVE_INT32, "32
 Type type_of(const std::uint8_t*) { return {H5T_STD_U8LE, H5T_NATIVE_UINT8, "bytes"}; }
 
 void start_hdf5() {
-  H5dont_atexit();  // it would close files that could not be written a second time, and crash
+  H5dont_atexit();  // MPI or the end of the process are early enough
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // its errors become ours
 }
 
@@ -91,7 +92,8 @@ void start_hdf5() {
 class Descriptor {
 public:
   Descriptor() = default;
-  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags, 0666)) {}
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {}
   Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
     std::swap(fd_, other.fd_);
@@ -114,25 +116,19 @@ void sync_folder(const std::string& path) {
 
 }  // namespace
 
-// HDF5 runs on the root alone and lays out the file; every process then writes its rows where they belong with calls of
-// the operating system. MPI-IO would do the same, but on a full disk Open MPI 4.1 (OMPIO and ROMIO) loses the error or
-// waits for ever.
+// HDF5 runs on the root alone and lays out the file, in memory (hdf5_memory.hpp); every process then writes its rows where
+// they belong with calls of the operating system, and the root at last what HDF5 has to say. MPI-IO would do the same, but on
+// a full disk Open MPI 4.1 (OMPIO and ROMIO) loses the error or waits for ever.
 struct CheckpointFile::Impl {
   Comm comm;
   std::string path;
   bool writing = false;  ///< until committed
-  bool failed = false;   ///< a write went wrong
+  Hdf5Memory tables;     ///< root, writing: what HDF5 has written
   Id file = no_file();
-  Descriptor rows;  ///< the same file, where this process's rows go
+  Descriptor rows;  ///< writing: the file on the disk
 
   ~Impl() {
-    // A file on a full disk cannot be closed, and HDF5 crashes on such a file at the end of the process. Left open, it
-    // is closed only then (or never, without MPI); emptied, it finds the place for that.
-    if (failed) file.leave_open();
-    file.close();
-    if (!writing || !comm.is_root()) return;
-    if (::truncate(draft().c_str(), 0) != 0) errno = 0;
-    std::remove(draft().c_str());
+    if (writing && comm.is_root()) std::remove(draft().c_str());
   }
 
   std::string draft() const { return path + ".part"; }
@@ -147,13 +143,8 @@ struct CheckpointFile::Impl {
     throw InputError(fmt::format("{}: {} {}", path, name, why));
   }
 
-  void on_all(const std::function<void()>& work) {
-    failed = true;
-    comm.agree(work);
-    failed = false;
-  }
   void on_root(const std::function<void()>& work) {
-    on_all([&] {
+    comm.agree([&] {
       if (comm.is_root()) work();
     });
   }
@@ -164,7 +155,7 @@ struct CheckpointFile::Impl {
   }
   /// The same for the operating system.
   void check_system(std::int64_t result) const {
-    if (result < 0) fail_write(std::strerror(errno));
+    if (result < 0) fail_write(system_reason(errno));
   }
 
   void must_write() const {
@@ -173,20 +164,18 @@ struct CheckpointFile::Impl {
 
   void begin() {
     on_root([&] {
-      // HDF5 says less clearly what is wrong with a folder.
-      check_system(Descriptor(draft(), O_CREAT | O_TRUNC | O_WRONLY));
-      const Id access = properties(H5P_FILE_ACCESS);
-      H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-      H5Pset_file_locking(access, true, true);  // not every file system has locks
-      const Id creation = properties(H5P_FILE_CREATE);
+      rows = Descriptor(open_new_file(draft()));
+      check_system(rows);
+      writing = true;
+      const Id access(access_to_memory(tables), H5Pclose), creation = properties(H5P_FILE_CREATE);
+      check(access);
       H5Pset_userblock(creation, seal_size);
       file = Id(H5Fcreate(draft().c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose);
       check(file);
-      writing = true;
     });
     writing = true;
-    on_all([&] {
-      rows = Descriptor(draft(), O_WRONLY);
+    comm.agree([&] {
+      if (!comm.is_root()) rows = Descriptor(draft(), O_WRONLY | O_NOFOLLOW);
       check_system(rows);
     });
   }
@@ -224,7 +213,7 @@ struct CheckpointFile::Impl {
     });
     const std::size_t value_size = H5Tget_size(type.memory);
     offset = comm.broadcast(offset) + begin * columns * static_cast<long>(value_size);
-    on_all([&] { write_bytes(mine, n_values * value_size, offset); });
+    comm.agree([&] { write_bytes(reinterpret_cast<const char*>(mine), n_values * value_size, offset); });
   }
 
   /// A table that has its place in the file, without values.
@@ -238,7 +227,7 @@ struct CheckpointFile::Impl {
     return set;
   }
 
-  void write_bytes(const std::byte* data, std::size_t size, std::int64_t offset) const {
+  void write_bytes(const char* data, std::size_t size, std::int64_t offset) const {
     while (size > 0) {
       const ssize_t n = ::pwrite(rows, data, size, offset);
       if (n < 0 && errno == EINTR) continue;
@@ -281,13 +270,18 @@ struct CheckpointFile::Impl {
 
   void commit() {
     must_write();
-    on_all([&] {
+    on_root([&] {
+      check(file.close() ? 0 : -1);
+      check_system(::ftruncate(rows, static_cast<off_t>(tables.room)));
+      tables.for_each_part([&](std::uint64_t at, std::span<const char> part) {
+        write_bytes(part.data(), part.size(), static_cast<std::int64_t>(at));
+      });
+    });
+    comm.agree([&] {
       check_system(::fsync(rows));
       check_system(rows.close());
     });
     on_root([&] {
-      check(H5Fflush(file, H5F_SCOPE_GLOBAL));
-      check(file.close() ? 0 : -1);
       seal();
       check_system(::fsync(Descriptor(draft(), O_RDONLY)));
       check_system(std::rename(draft().c_str(), path.c_str()));

@@ -11,7 +11,8 @@ namespace berm {
 
 class OutputFile {
 public:
-  /// Creates or empties the file, or goes on at its end. Throws RunError if that is not possible.
+  /// Makes a file in the place of what has that name, links too (base/system_file.hpp), or goes on at the end of one. Throws
+  /// RunError if that is not possible.
   explicit OutputFile(std::string path, bool append = false);
 
   /// Throws RunError if the bytes cannot be written.

@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
+#include <iterator>
 
 #include "base/error.hpp"
 
@@ -17,7 +20,7 @@ Log::Log(const LogOptions& options)
       file_(options.file.empty() ? nullptr : std::make_unique<OutputFile>(options.file, options.append)) {}
 
 Log::~Log() {
-  if (status_shown_) std::fputc('\n', terminal_);
+  if (status_shown_) write_terminal("\n");
 }
 
 void Log::info(std::string_view message) {
@@ -35,16 +38,23 @@ void Log::detail(std::string_view message) { to_file(message); }
 
 void Log::status(std::string_view line) {
   if (quiet_ || !interactive_) return;
-  fmt::print(terminal_, "\r\x1b[K\x1b[?7l{}\x1b[?7h", line);  // ?7l, ?7h: cut at the right edge rather than wrap
-  std::fflush(terminal_);
-  status_shown_ = true;
+  write_terminal(fmt::format("\r\x1b[K\x1b[?7l{}\x1b[?7h", line));  // ?7l, ?7h: cut at the right edge rather than wrap
+  status_shown_ = terminal_ != nullptr;
 }
 
 void Log::to_terminal(std::string_view line) {
-  if (!terminal_) return;
-  fmt::print(terminal_, "{}{}\n", status_shown_ ? "\r\x1b[K" : "", line);
-  std::fflush(terminal_);
+  write_terminal(fmt::format("{}{}\n", status_shown_ ? "\r\x1b[K" : "", line));
   status_shown_ = false;
+}
+
+void Log::write_terminal(const std::string& text) {
+  if (!terminal_) return;
+  if (std::fwrite(text.data(), 1, text.size(), terminal_) == text.size() && std::fflush(terminal_) == 0) return;
+  const int reason = errno;
+  terminal_ = nullptr;
+  const std::string words = fmt::format("the terminal takes no more words ({}): the rest is in the log", std::strerror(reason));
+  to_file("warning: " + words);
+  if (reason != EPIPE) std::fprintf(stderr, "berm: %s\n", words.c_str());  // a reader that has gone knows it
 }
 
 void Log::to_file(std::string_view line) {
@@ -58,18 +68,38 @@ void Log::to_file(std::string_view line) {
   }
 }
 
-Progress::Progress(Log& log, Clock::time_point start) : log_(log), start_(start) {}
+void Pace::add(double seconds, double share) {
+  constexpr double fineness = 1.002;  // keeps the list short: the last one stays only if it is that far from the one before
+  if (const std::size_t n = samples_.size(); n > 1 && samples_[n - 1].seconds < fineness * samples_[n - 2].seconds)
+    samples_.pop_back();
+  samples_.push_back({seconds, share});
+}
+
+double Pace::left() const {
+  if (!samples_.empty() && samples_.back().share >= 1.0) return 0.0;
+  if (samples_.size() < 2) return -1.0;
+  const Sample& now = samples_.back();
+  const double middle = 0.5 * (samples_.front().seconds + now.seconds);
+  const auto after = std::upper_bound(samples_.begin(), samples_.end(), middle,
+                                      [](double t, const Sample& s) { return t < s.seconds; });
+  const Sample& then = after == samples_.begin() ? samples_.front() : *std::prev(after);
+  if (now.share <= then.share) return -1.0;
+  return (now.seconds - then.seconds) * std::max(0.0, 1.0 - now.share) / (now.share - then.share);
+}
+
+Progress::Progress(Log& log, Clock::time_point start) : log_(log), start_(start), told_(start) {}
 
 void Progress::update(const ProgressState& state, Clock::time_point now) {
   point_steps_ += static_cast<double>(state.points);
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  pace_.add(elapsed, state.time);
   const int tenths = static_cast<int>(std::floor(10.0 * state.time + 1e-9));
-  const bool milestone = tenths > tenths_;
+  const bool milestone = tenths > tenths_ || (!log_.interactive() && now - told_ >= std::chrono::seconds(5));
   const bool renew = log_.interactive() && (!shown_ || now - *shown_ >= std::chrono::milliseconds(200) || milestone);
   if (!milestone && !renew) return;
 
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const std::string left =
-      state.time > 0.0 ? duration_text(elapsed * std::max(0.0, 1.0 - state.time) / state.time) : std::string("?");
+  const double seconds = pace_.left();
+  const std::string left = seconds >= 0.0 ? duration_text(seconds) : std::string("?");
   const std::string line =
       fmt::format("step {:5}  {:5.1f} %  {} left  load {:11.4e} N  iterations {:2}  residual {:.1e}  {:.3g} points/s",
                   state.step, 100.0 * state.time, left, state.load, state.newton_iterations, state.residual,
@@ -84,6 +114,7 @@ void Progress::update(const ProgressState& state, Clock::time_point now) {
     else
       log_.info(line);
     tenths_ = tenths;
+    told_ = now;
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What the user sees while a run goes on: messages and one line of progress. Both go to the terminal and to log.txt. A
-/// log that cannot be written any more, on a full disk, ends with a warning and is no reason to end the run.
+/// log that cannot be written any more, on a full disk, ends with a warning and is no reason to end the run; nor is a terminal
+/// that has gone (`berm run ... | head -1`, a closed session).
 
 #include <chrono>
 #include <cstdio>
@@ -8,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/file.hpp"
 
@@ -41,6 +43,7 @@ public:
 
 private:
   void to_terminal(std::string_view line);
+  void write_terminal(const std::string& text);
   void to_file(std::string_view line);
 
   std::FILE* terminal_;
@@ -59,7 +62,24 @@ struct ProgressState {
   long points = 0;
 };
 
-/// Interactive terminal: one line, renewed at most five times a second. Otherwise one plain line every 10 % of the run.
+/// How long a run takes, by its pace lately: that since the middle of the time that has passed. The mean from the start would
+/// carry the quick steps of the beginning along when steps become small.
+class Pace {
+public:
+  /// A share of the run is done after so many seconds; both grow.
+  void add(double seconds, double share);
+  /// Seconds to the end; negative: not known.
+  double left() const;
+
+private:
+  struct Sample {
+    double seconds, share;
+  };
+  std::vector<Sample> samples_;
+};
+
+/// Interactive terminal: one line, renewed at most five times a second. Otherwise a plain line every 10 % of the run, and
+/// every five seconds.
 class Progress {
 public:
   using Clock = std::chrono::steady_clock;
@@ -72,6 +92,8 @@ private:
   Log& log_;
   Clock::time_point start_;
   std::optional<Clock::time_point> shown_;
+  Clock::time_point told_;  ///< last plain line
+  Pace pace_;
   int tenths_ = 0;
   double point_steps_ = 0.0;
 };

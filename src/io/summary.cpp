@@ -81,6 +81,10 @@ std::string summary_json(const Summary& s) {
   line("dimension", std::to_string(s.dimension));
   line("axisymmetric", s.axisymmetric ? "true" : "false");
   line("processes", std::to_string(s.processes));
+  line("version", quoted(s.origin.version));
+  line("commit", quoted(s.origin.commit));
+  line("host", quoted(s.origin.host));
+  line("command", quoted(s.origin.command));
   line("references", "[" + listed(s.references, ", ", quoted) + "]");
   line("body_rings", object(listed(s.body_rings, ",\n", body_json)));
   const auto surface = [](const auto& body) { return fmt::format("    {}: {}", quoted(body.first), quoted(body.second)); };

@@ -11,6 +11,13 @@
 
 namespace berm {
 
+/// Who made the results, with what words.
+struct Origin {
+  std::string version, commit;  ///< of the program; empty where it does not say
+  std::string host;
+  std::string command;  ///< as typed, in words that a shell reads; empty where the library was called
+};
+
 struct Summary {
   std::string title;
   std::string method;     ///< "mpm" or "fem"
@@ -27,6 +34,7 @@ struct Summary {
   int dimension = 2;
   bool axisymmetric = false;
   int processes = 1;
+  Origin origin;
   std::map<std::string, std::vector<std::vector<Vec2>>>
       body_rings;  ///< in the plane: outer rings and holes by body, at the start [m]
   std::map<std::string, std::string> body_surfaces;     ///< in space: files of the surfaces by body, at the start

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <csignal>
 #include <span>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "comm/mpi.hpp"
@@ -41,15 +43,35 @@ void start_petsc(const std::string& options) {
   // A single process needs no mpiexec; Open MPI asks for these two before it runs as root (containers, CI).
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
+  // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants.
+  if (!std::getenv("OMPI_COMM_WORLD_RANK") && !std::getenv("PMIX_RANK") && !std::getenv("PMI_RANK"))
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {
     check_petsc(PetscInitializeNoArguments(), "start");
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
+    // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file
+    // sizes, gets an error from the system instead.
+    for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
     // MPI cannot be started twice in a process: it ends with the process, not with the run.
     std::atexit([] { PetscFinalize(); });
   }
   if (!options.empty()) check_petsc(PetscOptionsInsertString(nullptr, options.c_str()), "reading its options");
+}
+
+std::vector<std::string> take_back_options(const std::string& options) {
+  std::vector<std::string> unused;
+  std::istringstream words(options);
+  for (std::string word; words >> word;) {
+    PetscBool is_name = PETSC_FALSE, used = PETSC_FALSE;
+    PetscOptionsValidKey(word.c_str(), &is_name);
+    if (!is_name) continue;
+    PetscOptionsUsed(nullptr, word.c_str() + 1, &used);  // it keeps names without their dash
+    if (!used) unused.push_back(word);
+    PetscOptionsClearValue(nullptr, word.c_str());
+  }
+  return unused;
 }
 
 struct NewtonSolver::Impl {

@@ -16,6 +16,9 @@ namespace berm {
 /// Starts PETSc (and MPI) unless they run already; they end with the process.
 /// options: as on a PETSc command line, e.g. "-ksp_view". Throws RunError.
 void start_petsc(const std::string& options = "");
+/// Takes back the options that start_petsc was given, which PETSc keeps for the whole process. Returns those that nothing has
+/// asked for: misspelt, or not for the solvers that were taken.
+std::vector<std::string> take_back_options(const std::string& options);
 
 struct NewtonResult {
   bool converged = false;

@@ -50,7 +50,7 @@ public:
   void note(const Watched& watched) { watched_ = watched; }
   const Watched& watched() const { return watched_; }
   /// Writes the last frame and summary.json. Status as in Summary.
-  void finish(const std::string& status, const std::string& reason, double wall_seconds);
+  void finish(const std::string& status, const std::string& reason, double wall_seconds, const Origin& origin);
 
   int steps() const { return steps_; }
   double load() const { return row_load_; }

@@ -166,7 +166,7 @@ double Recorder::largest_extrapolation_error() const {
   return largest;
 }
 
-void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds) {
+void Recorder::finish(const std::string& status, const std::string& reason, double wall_seconds, const Origin& origin) {
   if (last_frame_step_ != steps_) write_frame(take_frame());
   Summary s;
   s.title = world_.spec.title;
@@ -184,6 +184,7 @@ void Recorder::finish(const std::string& status, const std::string& reason, doub
   s.dimension = dimension_;
   s.axisymmetric = world_.spec.space == Space::axisymmetric;
   s.processes = world_.comm.size();
+  s.origin = origin;
   s.references = world_.spec.output.references;
   s.metrics = metrics();
   for (const Body& b : world_.spec.bodies)

@@ -5,10 +5,14 @@
 
 #include <chrono>
 #include <csignal>
+#include <ctime>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/shell_word.hpp"
+#include "base/system_file.hpp"
 #include "io/log.hpp"
+#include "io/output_folder.hpp"
 #include "sim/advice.hpp"
 #include "sim/checkpoint.hpp"
 #include "sim/preflight.hpp"
@@ -19,7 +23,7 @@
 namespace berm {
 namespace {
 
-/// Set by Ctrl-C, SIGTERM and SIGUSR1: the run ends after the step, with everything written. A second one ends it as it
+/// Set by Ctrl-C, SIGTERM, SIGHUP and SIGUSR1: the run ends after the step, with everything written. A second one ends it as it
 /// is. mpiexec passes SIGUSR1 on at once, SIGTERM a second before it kills.
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int number) {
@@ -29,16 +33,20 @@ void interrupt(int number) {
 
 constexpr const char* checkpoint_name = "checkpoint.h5";
 
-/// Files of an earlier run in the same folder would mix with those of this one.
-void remove_old_results(const std::filesystem::path& folder) {
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    const bool frame = (name.ends_with(".vtu") || name.ends_with(".pvtu")) &&
-                       (name.starts_with("points_") || name.starts_with("mesh_") || name.starts_with("surface_"));
-    if (frame || name == "summary.json" || name == "history.csv" || name == checkpoint_name || name.ends_with(".pvd"))
-      std::filesystem::remove(entry.path());
-  }
+/// A session that ends takes its runs along (SIGHUP), unless nohup said otherwise.
+void catch_signals() {
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP})
+    if (std::signal(number, interrupt) == SIG_IGN && number == SIGHUP) std::signal(number, SIG_IGN);
 }
+
+/// Options of PETSc hold for the whole process: a run leaves none behind.
+struct OptionsOfPetsc {
+  explicit OptionsOfPetsc(const std::string& given) : text(given) { start_petsc(text); }
+  ~OptionsOfPetsc() { take_back_options(text); }
+  OptionsOfPetsc(const OptionsOfPetsc&) = delete;
+  OptionsOfPetsc& operator=(const OptionsOfPetsc&) = delete;
+  const std::string text;
+};
 
 class Run {
 public:
@@ -46,6 +54,7 @@ public:
       : start_(std::chrono::steady_clock::now()),
         comm_(comm),
         folder_(options.folder),
+        origin_(options.origin),
         open_log_(open_log(options, comm)),
         log_(*open_log_),
         world_(build_world(std::move(spec), comm)),
@@ -92,7 +101,7 @@ public:
     }
     watch_.look_last();
     recorder_.note(watch_.seen);
-    recorder_.finish("done", "", seconds());
+    recorder_.finish("done", "", seconds(), origin_);
     report_end();
   }
 
@@ -105,12 +114,38 @@ private:
         here = {(options.folder / "log.txt").string(), options.quiet, stdout, options.is_interactive,
                 !options.restart.empty()};
       log = std::make_unique<Log>(here);
+      log->detail(head(options.origin, comm.size()));
     });
     return log;
   }
 
+  /// Who runs, where, when and with what words.
+  static std::string head(const Origin& origin, int processes) {
+    char date[32] = "";
+    const std::time_t now = std::time(nullptr);
+    std::strftime(date, sizeof date, "%Y-%m-%d %H:%M:%S", std::localtime(&now));
+    std::string text = fmt::format("berm {}{} on {}, {} process{}, {}", origin.version,
+                                   origin.commit.empty() ? "" : ", commit " + origin.commit, origin.host, processes,
+                                   processes > 1 ? "es" : "", date);
+    return origin.command.empty() ? text : text + "\ncommand: " + origin.command;
+  }
+
+  /// What cannot be written on a full disk must not hide why the run ends.
   void end_early(const std::exception& error) {
-    recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds());
+    log_.detail(error.what());
+    tell_unused_options();
+    try {
+      recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds(), origin_);
+      tell_where();
+    } catch (const RunError& later) {
+      log_.detail(later.what());
+    }
+  }
+
+  void tell_where() {
+    const std::string folder = shell_word(folder_.string());
+    log_.info(fmt::format("results up to time {:.6g} are in {}: berm report {} draws them, ParaView opens {}", world_->time,
+                          folder, folder, shell_word((folder_ / "points.pvd").string())));
   }
 
   const Solver& solver() const { return world_->present_stage().solver; }
@@ -132,11 +167,11 @@ private:
     if (by_steps || by_time) save();
   }
 
-  /// Ctrl-C or SIGTERM on any process.
+  /// A signal to any process.
   [[noreturn]] void stop() {
     save();
-    throw RunError(fmt::format("stopped by a signal at time {:.6g}; go on with --restart {}", world_->time,
-                               (folder_ / checkpoint_name).string()));
+    throw RunError(fmt::format("stopped by a signal at time {:.6g}; go on with the same command and --restart {}", world_->time,
+                               shell_word((folder_ / checkpoint_name).string())));
   }
 
   /// False at the end of the last one.
@@ -267,6 +302,15 @@ private:
     if (n.iterations > n.solves)
       log_.info(fmt::format("{} linear systems, {:.1f} iterations each, {} solved directly after all", n.solves,
                             double(n.iterations) / n.solves, n.fallbacks));
+    tell_unused_options();
+    tell_where();
+  }
+
+  void tell_unused_options() {
+    const std::vector<std::string> unused = take_back_options(world_->spec.solver.petsc);
+    if (!unused.empty())
+      log_.warning(fmt::format("{}: \"petsc\" in [solver]: nothing asked PETSc for {} (misspelt, or not for the solver that was taken)",
+                               world_->spec.petsc_place, fmt::join(unused, ", ")));
   }
 
   void warn_about(const std::vector<std::pair<std::string, double>>& metrics) {
@@ -302,6 +346,7 @@ private:
   std::chrono::steady_clock::time_point start_;
   Comm comm_;
   std::filesystem::path folder_;
+  Origin origin_;
   std::unique_ptr<Log> open_log_;
   Log& log_;
   std::unique_ptr<World> world_;
@@ -319,10 +364,13 @@ private:
 
 }  // namespace
 
-void run_case(Case spec, const RunOptions& options) {
-  start_petsc(spec.solver.petsc);
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, interrupt);
+void run_case(Case spec, const RunOptions& given) {
+  const OptionsOfPetsc petsc(spec.solver.petsc);
+  catch_signals();
   const Comm comm = Comm::world();
+  RunOptions options = given;
+  options.origin.host = host_name();
+  FolderLock lock;
   comm.agree([&] {
     if (!comm.is_root()) return;
     std::error_code error;
@@ -330,7 +378,10 @@ void run_case(Case spec, const RunOptions& options) {
     if (error)
       throw InputError(
           fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
-    if (options.restart.empty()) remove_old_results(options.folder);
+    lock = FolderLock(options.folder);
+    if (!options.restart.empty()) return;
+    if (!options.replace_finished) refuse_finished(options.folder);
+    remove_old_results(options.folder);
   });
   Run run(std::move(spec), options, comm);
   run.go();

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "case/case.hpp"
+#include "io/summary.hpp"
 
 namespace berm {
 
@@ -13,6 +14,10 @@ struct RunOptions {
   bool quiet = false;
   std::string restart;                 ///< checkpoint to go on from; empty: from the start
   std::optional<bool> is_interactive = std::nullopt;  ///< whether the user sees a terminal; default: ask the operating system
+  /// Results of a run that came to its end make way, as a program that calls the library expects; the command line says no
+  /// unless there is --force. A restart goes on in any folder.
+  bool replace_finished = true;
+  Origin origin = {};  ///< for log and summary; the host is found out
 };
 
 /// Runs the case on all processes. Throws InputError or RunError, the same on all; in the second case everything up to the

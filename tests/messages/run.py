@@ -204,7 +204,7 @@ def run(berm, text, folder, sets=()):
                 line.replace(", " + line[line.index(key):line.index(" }", line.index(key))], "") if key in line else line for line in text.split("\n"))
     case.write_text(in_order(text))
     words = [w for s in sets if not s.startswith(("drop ", "replace ")) for w in ("--set", quoted(s))]
-    done = subprocess.run([berm, "run", str(case), "--quiet", "--out", str(folder / "out"), *words], capture_output=True, text=True, timeout=300)
+    done = subprocess.run([berm, "run", str(case), "--quiet", "--force", "--out", str(folder / "out"), *words], capture_output=True, text=True, timeout=300)
     return done.returncode, done.stdout + done.stderr
 
 

@@ -608,7 +608,7 @@ TEST_F(Checkpoint, ReportsAFullDiskAlike) {
     out.commit();
   });
   setrlimit(RLIMIT_FSIZE, &before);
-  EXPECT_EQ(error, "run: cannot write " + file + ": File too large");
+  EXPECT_EQ(error, "run: cannot write " + file + ": File too large (for this file system or the limit of the shell: see ulimit -f)");
   EXPECT_TRUE(same_everywhere(std::vector<char>(error.begin(), error.end())));
   world().barrier();
   EXPECT_FALSE(fs::exists(file) || fs::exists(file + ".part"));

@@ -792,7 +792,7 @@ def command(name, out, processes=1, overrides=(), more=(), mpiexec=False):
     words = [BERM, "run", case_file(name), "--out", str(out), *sets([*plain(name), *overrides]), *more]
     if mpiexec:
         return [*MPIEXEC, "-n", str(processes), *words]
-    return words + (["-n", str(processes)] if processes > 1 else [])
+    return words + (["-n", str(processes), "--oversubscribe"] if processes > 1 else [])
 
 
 def call(words):

@@ -69,7 +69,7 @@ def main():
                     folder.mkdir(parents=True, exist_ok=True)
                     words = [w for s in overrides(wall, angle, cohesion, cells) + options.set for w in ("--set", s)]
                     log = folder / "terminal.txt"
-                    command = [options.berm, "run", str(HERE / f"wall_{wall}.toml"), "--quiet", "--out", str(folder), *words]
+                    command = [options.berm, "run", str(HERE / f"wall_{wall}.toml"), "--quiet", "--force", "--out", str(folder), *words]
                     seconds, code = execute(command, options.limit, log)
                     try:
                         mean, end, jump, time, status = measure(folder, right)

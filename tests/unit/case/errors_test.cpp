@@ -36,7 +36,7 @@ TEST_F(CaseErrors, missingFile) {
 
 TEST_F(CaseErrors, folderInsteadOfFile) {
   std::filesystem::create_directories(path("folder"));
-  EXPECT_EQ(errors_of_file("folder"), "folder: case file \"folder\" is not a file");
+  EXPECT_EQ(errors_of_file("folder"), "folder: case file \"folder\" is a folder: name a file in it");
 }
 
 TEST_F(CaseErrors, syntaxErrorHasAPlace) {

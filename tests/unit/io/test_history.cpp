@@ -47,7 +47,7 @@ TEST_F(History, FailuresNameTheFile) {
     HistoryWriter("/dev/full", {"a [-]"});
     FAIL() << "no error";
   } catch (const RunError& error) {
-    EXPECT_EQ(std::string(error.what()), "cannot write /dev/full: No space left on device");
+    EXPECT_EQ(std::string(error.what()), "cannot write /dev/full: No space left on device (make room, or choose a folder elsewhere with --out)");
   }
 }
 

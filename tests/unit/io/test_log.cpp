@@ -70,6 +70,47 @@ TEST_F(LogFile, PlainProgressIsOneLineEveryTenPercent) {
             "step    30   10.0 %  27 s left  load  1.0000e+06 N  iterations  3  residual 1.0e-09  1.03e+04 points/s");
 }
 
+TEST_F(LogFile, SlowRunsHaveALineEveryFiveSeconds) {
+  const std::string terminal = seen(false, false, [](Log& log) {
+    const auto start = Progress::Clock::now();
+    Progress progress(log, start);
+    for (int i = 0; i <= 60; ++i) progress.update({i, i * 1e-4, 0.0, 1, 0.0, 1}, start + milliseconds(1000 * i));
+  });
+  EXPECT_EQ(lines(terminal), 12);
+}
+
+TEST_F(LogFile, TerminalThatTakesNoWordsIsNoReasonToEnd) {
+  std::FILE* full = std::fopen("/dev/full", "wb");
+  if (!full) GTEST_SKIP() << "this system has no /dev/full";
+  {
+    Log log({path("log.txt"), false, full, true});
+    log.info("one");
+    log.status("busy");
+    log.info("two");
+  }
+  std::fclose(full);
+  EXPECT_EQ(log_text(), "warning: the terminal takes no more words (No space left on device): the rest is in the log\none\ntwo\n");
+}
+
+/// Steps that become ten times as small half-way: a tenth of the way behind that the pace is the new one.
+TEST(TimeLeft, FollowsThePace) {
+  Pace pace;
+  double seconds = 0.0;
+  for (double share = 0.0; share < 0.5; share += 1e-3) pace.add(seconds += 0.1, share);
+  EXPECT_NEAR(pace.left(), 50.0, 1.0);
+  for (double share = 0.5; share < 0.6; share += 1e-4) pace.add(seconds += 0.1, share);
+  EXPECT_NEAR(pace.left(), 400.0, 10.0);
+}
+
+TEST(TimeLeft, IsNotKnownAtFirst) {
+  Pace pace;
+  EXPECT_LT(pace.left(), 0.0);
+  pace.add(3.0, 0.4);  // goes on from a checkpoint
+  EXPECT_LT(pace.left(), 0.0);
+  pace.add(4.0, 0.5);
+  EXPECT_NEAR(pace.left(), 5.0, 1e-9);
+}
+
 TEST_F(LogFile, InteractiveProgressIsThrottled) {
   const std::string terminal = seen(true, false, [](Log& log) {
     const auto start = Progress::Clock::now();

@@ -23,6 +23,7 @@ TEST_F(SummaryFile, HoldsEverything) {
   s.dimension = 3;
   s.axisymmetric = true;
   s.processes = 4;
+  s.origin = {"0.1.0", "abc123", "here", "berm run 'a b.toml'"};
   s.references = {"/a/b.csv", "/c.csv"};
   s.body_rings["disc"] = {{Vec2(0, 0), Vec2(1, 0), Vec2(0.5, 2)}, {Vec2(0.25, 0.25)}};
   s.body_rings["top"] = {};
@@ -46,6 +47,10 @@ TEST_F(SummaryFile, HoldsEverything) {
   "dimension": 3,
   "axisymmetric": true,
   "processes": 4,
+  "version": "0.1.0",
+  "commit": "abc123",
+  "host": "here",
+  "command": "berm run 'a b.toml'",
   "references": ["/a/b.csv", "/c.csv"],
   "body_rings": {
     "disc": [[[0, 0], [1, 0], [0.5, 2]], [[0.25, 0.25]]],

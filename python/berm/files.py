@@ -1,0 +1,12 @@
+"""Files that the tools write."""
+
+import os
+
+
+def new_file(path, binary=False):
+    """Opens a file of its own for writing: what has that name makes way, so that nothing is written through a link to
+    somewhere else. Text has the line ends that it is given."""
+    if os.path.islink(path) or os.path.isfile(path):
+        os.remove(path)
+    mode = "w" if os.path.exists(path) else "x"  # a device is written to as it is
+    return open(path, mode + "b") if binary else open(path, mode, newline="", encoding="utf-8")

@@ -1,0 +1,50 @@
+#include "base/system_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+namespace berm {
+
+int open_new_file(const std::string& path) {
+  constexpr int flags = O_CREAT | O_WRONLY | O_NOFOLLOW | O_CLOEXEC;
+  struct stat there;
+  if (::lstat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode))
+    return ::open(path.c_str(), flags | O_TRUNC, 0666);
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) return -1;
+  return ::open(path.c_str(), flags | O_EXCL, 0666);
+}
+
+int open_to_append(const std::string& path) {
+  return ::open(path.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
+std::string host_name() {
+  char name[256] = "";
+  ::gethostname(name, sizeof name - 1);
+  return name;
+}
+
+std::string system_reason(int error) {
+  const std::string words = std::strerror(error);
+  switch (error) {
+    case ENOSPC:
+    case EDQUOT:
+      return words + " (make room, or choose a folder elsewhere with --out)";
+    case EFBIG:
+      return words + " (for this file system or the limit of the shell: see ulimit -f)";
+    case EACCES:
+    case EPERM:
+    case EROFS:
+      return words + " (choose a folder that you may write to with --out)";
+    case ELOOP:
+      return words + " (remove the link: berm does not write through links)";
+    default:
+      return words;
+  }
+}
+
+}  // namespace berm

@@ -1,0 +1,19 @@
+#pragma once
+/// What all that writes files asks the operating system for.
+
+#include <string>
+
+namespace berm {
+
+/// Opens a file of its own for writing and returns its descriptor, or -1 with errno: what stands at the name makes way, so
+/// that nothing is written through a symbolic or hard link to somewhere else. Devices are written to as they are.
+int open_new_file(const std::string& path);
+/// The same for going on at the end of a file that may be there; a symbolic link is refused.
+int open_to_append(const std::string& path);
+
+std::string host_name();
+
+/// The words of the operating system for an errno and, where there is one, what to do.
+std::string system_reason(int error);
+
+}  // namespace berm

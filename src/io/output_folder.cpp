@@ -1,0 +1,93 @@
+#include "io/output_folder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "base/error.hpp"
+#include "base/system_file.hpp"
+
+namespace berm {
+namespace {
+
+constexpr const char* lock_name = ".lock";
+
+/// Whether the descriptor is still that of the file of this name: the run before may have removed it meanwhile.
+bool is_there(int descriptor, const std::string& path) {
+  struct stat held, there;
+  return ::fstat(descriptor, &held) == 0 && ::lstat(path.c_str(), &there) == 0 && held.st_ino == there.st_ino;
+}
+
+/// Who holds the lock, as written into it.
+std::string holder(const std::string& path) {
+  std::string words;
+  std::ifstream file(path);
+  std::getline(file, words);
+  return words.empty() ? words : " (" + words + ")";
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / lock_name) {
+  const std::string path = file_.string();
+  do {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = ::open(path.c_str(), O_CREAT | O_RDWR | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) throw RunError(fmt::format("cannot write {}: {}", path, system_reason(errno)));
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) continue;
+    const int reason = errno;
+    ::close(std::exchange(descriptor_, -1));
+    if (reason != EWOULDBLOCK)
+      throw RunError(fmt::format("cannot lock {}: {} (choose a folder of a file system with locks with --out)", path,
+                                 system_reason(reason)));
+    throw InputError(fmt::format("{}: another run is writing to this folder{}: wait for its end, or choose another folder with --out",
+                                 folder.string(), holder(path)));
+  } while (!is_there(descriptor_, path));
+  const std::string words = fmt::format("process {} on {}\n", ::getpid(), host_name());
+  // For the message of the other run; one without it serves too.
+  if (::ftruncate(descriptor_, 0) != 0 || ::write(descriptor_, words.data(), words.size()) < 0) errno = 0;
+}
+
+FolderLock::FolderLock(FolderLock&& other) noexcept
+    : file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
+  std::swap(file_, other.file_);
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ < 0) return;
+  ::unlink(file_.c_str());
+  ::close(descriptor_);
+}
+
+void refuse_finished(const std::filesystem::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  // As io/summary.cpp writes it; in a quoted text quotes and line ends look otherwise.
+  if (text.find("\n  \"status\": \"done\",\n") == std::string::npos) return;
+  throw InputError(fmt::format("{}: holds the results of a run that came to its end: --force replaces them, --out chooses another folder",
+                               folder.string()));
+}
+
+void remove_old_results(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool frame = (name.ends_with(".vtu") || name.ends_with(".pvtu")) &&
+                       (name.starts_with("points_") || name.starts_with("mesh_") || name.starts_with("surface_"));
+    if (frame || name == "summary.json" || name == "history.csv" || name == "checkpoint.h5" || name.ends_with(".pvd"))
+      std::filesystem::remove(entry.path());
+  }
+}
+
+}  // namespace berm

@@ -1,0 +1,29 @@
+#pragma once
+/// The folder that a run writes to: one run at a time, and no finished one by mistake.
+
+#include <filesystem>
+
+namespace berm {
+
+/// Keeps other runs out as long as it lives; the system ends it with the process. On the first process only.
+class FolderLock {
+public:
+  FolderLock() = default;
+  /// Throws InputError if another run is writing there, RunError if the folder cannot be written to.
+  explicit FolderLock(const std::filesystem::path& folder);
+  FolderLock(FolderLock&& other) noexcept;
+  FolderLock& operator=(FolderLock&& other) noexcept;
+  ~FolderLock();
+
+private:
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+};
+
+/// Throws InputError if the folder holds the results of a run that came to its end.
+void refuse_finished(const std::filesystem::path& folder);
+
+/// Files of an earlier run in the same folder would mix with those of a new one.
+void remove_old_results(const std::filesystem::path& folder);
+
+}  // namespace berm

@@ -1,0 +1,396 @@
+#!/usr/bin/env python3
+"""The command line and its habits: run.py BERM [NAMES ...]
+
+Every function of TESTS starts the program in a folder of its own, as a careless user, a script or an attacker would, and returns what is wrong ("" if nothing
+is). Exits with 1 if a test fails.
+"""
+
+import json
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+CASE = """
+title = "block"
+grid = { origin = [-0.25, -0.25], cell_size = 0.25, cells = [6, 6] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[boundary.base]
+where.box = { max = [9.0, 1e-6] }
+ux = 0.0
+uy = 0.0
+[boundary.top]
+where.box = { min = [-9.0, 0.9999], max = [9.0, 1.0001] }
+uy = -0.001
+[steps]
+count = 4
+"""
+LONG = CASE.replace("count = 4", "count = 10000000\nadaptive = false")
+NOISE = re.compile(r"PETSC ERROR|MPI_ABORT|mpirun|mpiexec noticed|ORTE|PMIX|terminate called|Traceback|Segmentation|Caught signal")
+BERM = ""
+
+
+def berm(*words, text=CASE, **more):
+    """Writes the case and starts the program on it; returns what subprocess.run does."""
+    pathlib.Path("case.toml").write_text(text)
+    return subprocess.run([BERM, *words], **{"capture_output": True, "text": True, "timeout": 120, **more})
+
+
+def wrong(done, code, *expected, absent=()):
+    """What is wrong with how the program ended and what it said."""
+    said = (done.stdout or "") + (done.stderr or "")
+    if done.returncode != code:
+        return f"ended with {done.returncode}, not {code}: {said[-600:]}"
+    if NOISE.search(said):
+        return "words of others: " + said[-600:]
+    missing = [w for w in expected if w not in said]
+    found = [w for w in absent if w in said]
+    return (f"does not say {missing}: {said[-600:]}" if missing else "") + (f"says {found}" if found else "")
+
+
+def status(folder="out/case"):
+    return json.loads((pathlib.Path(folder) / "summary.json").read_text())["status"]
+
+
+def files(folder):
+    return sorted(p.name for p in pathlib.Path(folder).iterdir())
+
+
+# ---- processes
+
+def too_many_processes():
+    cores = len(os.sched_getaffinity(0))
+    return (wrong(berm("run", "case.toml", "-n", "100000"), 2, f"has {cores} core", "--oversubscribe")
+            or wrong(berm("run", "case.toml", "-n", "100000", "--oversubscribe"), 2, "64 a core")
+            or wrong(berm("run", "case.toml", "-n", str(cores + 1), "--oversubscribe", "--quiet"), 0)
+            or wrong(berm("run", "case.toml", "-n", "0"), 2))
+
+
+# ---- disks and folders
+
+def limited_files(size):
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+
+def limit_of_file_size():
+    """Stands for a full disk: what was good stays, the message names the file, no signal."""
+    words = ["run", "case.toml", "--set", "checkpoint.every_steps=1", "--quiet"]
+    if why := wrong(berm(*words), 0):
+        return why
+    whole = os.path.getsize("out/case/checkpoint.h5")
+    for size in range(4096, whole, 8192):  # HDF5's own tables do not fit, or the points do not
+        why = wrong(berm(*words, "--force", "--set", "output.frames=1", preexec_fn=limited_files(size)), 1, "cannot write out/case/", "ulimit -f")
+        if why or "checkpoint.h5.part" in files("out/case") or any(name.endswith(".tmp") for name in files("out/case")):
+            return f"{size} bytes: {why} {files('out/case')}"
+    return ""
+
+
+def full_disk():
+    """A real one, where the user may mount it: the checkpoint before is whole."""
+    os.mkdir("small")
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "none", "small"], capture_output=True).returncode != 0:
+        print("full_disk: only root may mount one; limit_of_file_size stands for it")
+        return ""
+    try:
+        for kilobytes in range(28, 400, 24):
+            subprocess.run(["mount", "-o", f"remount,size={kilobytes}k", "small"], check=True)
+            subprocess.run("rm -rf small/*", shell=True, check=True)
+            done = berm("run", "case.toml", "--out", "small/out", "--set", "checkpoint.every_steps=1", "--quiet")
+            if done.returncode == 0:
+                return ""
+            if why := wrong(done, 1, "cannot write small/out/", "No space left on device (make room"):
+                return f"{kilobytes} kB: {why}"
+            if "checkpoint.h5" in files("small/out"):
+                again = berm("run", "case.toml", "--restart", "small/out/checkpoint.h5", "--out", "again", "--quiet")
+                if why := wrong(again, 0):
+                    return f"{kilobytes} kB: the checkpoint is broken: {why}"
+        return "never came to its end"
+    finally:
+        subprocess.run(["umount", "small"], check=True)
+
+
+def second_run_in_the_folder():
+    pathlib.Path("long.toml").write_text(LONG)
+    first = subprocess.Popen([BERM, "run", "long.toml", "--out", "shared", "--quiet"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        if not until(lambda: rows("shared") > 2, first):
+            return "the first run did not begin"
+        why = wrong(berm("run", "case.toml", "--out", "shared", "--force"), 2, "shared: another run is writing to this folder (process", "--out")
+        pathlib.Path("alias").symlink_to("shared")
+        why = why or wrong(berm("run", "case.toml", "--out", "alias"), 2, "another run is writing")
+        if why or first.poll() is not None:
+            return why or "the first run ended"
+    finally:
+        first.kill()
+        first.communicate()
+    return wrong(berm("run", "case.toml", "--out", "shared"), 0) or ("the lock stays" if ".lock" in files("shared") else "")
+
+
+def finished_run_is_kept():
+    if why := wrong(berm("run", "case.toml"), 0, "berm report out/case"):
+        return why
+    before = pathlib.Path("out/case/history.csv").read_bytes()
+    why = wrong(berm("run", "case.toml", "--set", "steps.count=2"), 2, "out/case: holds the results of a run", "--force", "--out")
+    if why or pathlib.Path("out/case/history.csv").read_bytes() != before:
+        return why or "changed it all the same"
+    return (wrong(berm("run", "case.toml", "--force", "--set", "checkpoint.every_steps=2"), 0)
+            or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5"), 0))
+
+
+def failed_run_makes_way():
+    stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t)"')
+    return wrong(berm("run", "case.toml", text=stops), 1) or wrong(berm("run", "case.toml"), 0)
+
+
+def links_are_not_followed():
+    """Whoever can write to the folder must not choose which other files a run overwrites."""
+    out = pathlib.Path("out/case")
+    out.mkdir(parents=True)
+    secret = pathlib.Path("secret")
+    secret.write_text("kept")
+    names = ["history.csv", "log.txt", "case.toml", "case.toml.tmp", "summary.json", "summary.json.tmp", "points_0000.vtu", "points.pvd.tmp", "checkpoint.h5.part"]
+    for name in names:
+        (out / name).symlink_to(secret.resolve())
+    os.link(secret, out / "mesh_0000.vtu")
+    if why := wrong(berm("run", "case.toml", "--set", "checkpoint.every_steps=1"), 0):
+        return why
+    if secret.read_text() != "kept":
+        return "wrote through a link"
+    left = [p.name for p in out.iterdir() if p.is_symlink()]
+    if left:
+        return f"links are left: {left}"
+    (out / "log.txt").unlink()
+    (out / "log.txt").symlink_to(secret.resolve())
+    why = wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5"), 1, "out/case/log.txt", "remove the link")
+    (out / "report.html").symlink_to(secret.resolve())
+    why = why or wrong(berm("report", "out/case"), 0) or ("" if secret.read_text() == "kept" else "the report wrote through a link")
+    pathlib.Path("real").mkdir()
+    pathlib.Path("chosen").symlink_to("real")  # a folder is the user's choice
+    return why or wrong(berm("run", "case.toml", "--out", "chosen"), 0) or ("" if "history.csv" in files("real") else "the linked folder is empty")
+
+
+def temporary_folder():
+    environment = {**os.environ, "TMPDIR": "/proc/nowhere"}
+    return (wrong(berm("run", "case.toml", "--quiet", env=environment), 0)
+            or wrong(berm("run", "case.toml", "--quiet", "--force", "-n", "2", "--oversubscribe", env=environment), 0, "temporary files go to", "/proc/nowhere (TMPDIR)"))
+
+
+def no_path():
+    environment = {k: v for k, v in os.environ.items() if k not in ("PATH", "TMPDIR")}
+    for path in ({}, {"PATH": ""}, {"PATH": "/nowhere"}):
+        for n in ("1", "2"):
+            if why := wrong(berm("run", "case.toml", "--quiet", "--force", "-n", n, "--oversubscribe", env={**environment, **path}), 0):
+                return f"{path}, -n {n}: {why}"
+    return ""
+
+
+# ---- signals and streams
+
+def rows(folder):
+    try:
+        return max(0, (pathlib.Path(folder) / "history.csv").read_text().count("\n") - 1)
+    except OSError:
+        return 0
+
+
+def until(condition, process):
+    end = time.monotonic() + 60
+    while not condition():
+        if process.poll() is not None or time.monotonic() > end:
+            return False
+        time.sleep(0.01)
+    return True
+
+
+def stopped_by(number, *words):
+    pathlib.Path("long.toml").write_text(LONG)
+    shutil.rmtree("out", ignore_errors=True)
+    process = subprocess.Popen([BERM, "run", "long.toml", "--quiet", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               start_new_session=True)
+    if not until(lambda: rows("out/long") > 2, process):
+        process.kill()
+        return f"{number.name} {words}: did not begin: {process.communicate()}"
+    process.send_signal(number)
+    out, errors = process.communicate(timeout=60)
+    done = subprocess.CompletedProcess([], process.returncode, out, errors)
+    why = wrong(done, 1, "stopped by a signal", "--restart out/long/checkpoint.h5")
+    if not why and (status("out/long") != "stopped" or len(errors.splitlines()) != 1 or "stopped by a signal" not in pathlib.Path("out/long/log.txt").read_text()):
+        why = f"status {status('out/long')}, said {errors}"
+    if not why:
+        why = wrong(berm("run", "long.toml", "--restart", "out/long/checkpoint.h5", "--set", "steps.count=10000001", "--set", "steps.duration=1e-9", "--quiet"), 0)
+    return why and f"{number.name} {words}: {why}"
+
+
+def signals():
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM, signal.SIGUSR1):
+        if why := stopped_by(number):
+            return why
+    return stopped_by(signal.SIGHUP, "-n", "2", "--oversubscribe") or stopped_by(signal.SIGUSR1, "-n", "2", "--oversubscribe")
+
+
+def nohup():
+    """A run that is not to hear of the end of its session goes on."""
+    pathlib.Path("long.toml").write_text(LONG)
+    process = subprocess.Popen([BERM, "run", "long.toml", "--quiet"], preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    begun = until(lambda: rows("out/long") > 2, process)
+    process.send_signal(signal.SIGHUP)
+    n = rows("out/long")
+    lives = begun and until(lambda: rows("out/long") > n + 5, process)
+    process.kill()
+    process.wait()
+    return "" if lives else "ended with SIGHUP"
+
+
+def shell(line):
+    return subprocess.run(["bash", "-c", line], capture_output=True, text=True, timeout=120, env={**os.environ, "BERM": BERM})
+
+
+def reader_that_has_gone():
+    pathlib.Path("case.toml").write_text(CASE)
+    for n in ("1", "2"):
+        done = shell(f'"$BERM" run case.toml --force -n {n} --oversubscribe | head -n 1 >/dev/null; exit ${{PIPESTATUS[0]}}')
+        if why := wrong(done, 0) or ("" if status() == "done" else status()):
+            return f"-n {n}: {why}"
+        if "berm report" not in pathlib.Path("out/case/log.txt").read_text():
+            return f"-n {n}: the log has not the last words"
+    return wrong(shell('(sleep 0.5; exec "$BERM" schema) | true; exit ${PIPESTATUS[0]}'), 1)
+
+
+def full_and_closed_output():
+    pathlib.Path("case.toml").write_text(CASE)
+    for words in ("schema", "check case.toml", "version", "--version", "--help", "completion bash", "report --help", "sweep --help"):
+        for target in ("> /dev/full", ">&-"):
+            if why := wrong(shell(f'"$BERM" {words} {target}'), 1, "No space left" if "full" in target else "Bad file descriptor"):
+                return f"{words} {target}: {why}"
+    for target in ("> /dev/full", ">&-", ">&- 2>&- <&-"):
+        why = wrong(shell(f'"$BERM" run case.toml --force {target}'), 0)
+        if why or status() != "done" or "berm report" not in pathlib.Path("out/case/log.txt").read_text():
+            return f"run {target}: {why}"
+    return ""
+
+
+# ---- the case
+
+def options_of_petsc():
+    for options in ("-log_view :F", "-ksp_view_mat binary:F", "-ksp_view_mat binary", "-options_file F", "-options_monitor", "-malloc_dump", "-info :F", "-ksp_monitor ascii:F",
+                    "-prefix_push x", "-mat_mumps_ooc_tmpdir F", "-ksp_type python", "F"):
+        if why := wrong(berm("run", "case.toml", text=CASE + f'[solver]\npetsc = "-ksp_rtol 1e-8 {options}"\n' if options != "F" else CASE + '[solver]\npetsc = "F"\n'),
+                        2, 'case.toml:22:9: "petsc" in [solver]: "', "F" if options == "F" else "--allow-petsc-files"):
+            return f"{options}: {why}"
+    if "F" in files("."):
+        return "wrote F"
+    misspelt = CASE + '[solver]\npetsc = "-ksp_view -ksp_rtl 1e-8"\n'
+    return (wrong(berm("run", "case.toml", text=misspelt), 0, 'warning: case.toml:22:9: "petsc" in [solver]', "-ksp_rtl", absent=["for -ksp_view"])
+            or wrong(berm("run", "case.toml", "--force", text=misspelt.replace("-ksp_rtl 1e-8", "::ascii_info_detail")), 0, absent=["nothing asked"])
+            or wrong(berm("run", "case.toml", "--allow-petsc-files", "--force", text=CASE + '[solver]\npetsc = "-ksp_view ascii:F"\n'), 0)
+            or ("" if "F" in files(".") else "did not write F"))
+
+
+def odd_files():
+    os.mkdir("folder")
+    for base, why in (("folder", "is a folder"), ("/proc/self/mem", "cannot be read"), ("/dev/null", "is not a file")):
+        wanted = f'case file "{base}" {why}'
+        if said := wrong(berm("check", base), 2, wanted) or wrong(berm("check", "case.toml", text=f'base = "{base}"\n'), 2, "case.toml:1:8: " + wanted):
+            return said
+    return ""
+
+
+def standard_input():
+    pathlib.Path("base.toml").write_text(CASE)
+    based = 'base = "base.toml"\ntitle = "from standard input"\n'
+    for n in ("1", "2"):
+        done = berm("run", "-", "-n", n, "--oversubscribe", "--force", input=based)
+        if why := wrong(done, 0, "from standard input", "berm report out/stdin"):
+            return f"-n {n}: {why}"
+    return (wrong(berm("check", "-", input=based + "typo = 1\n"), 2, 'stdin:3:1: unknown key "typo"') or wrong(berm("check", "-", input=based), 0)
+            or wrong(berm("run", "-", "--out", "elsewhere", input=based), 0) or ("" if "history.csv" in files("elsewhere") else "not in --out"))
+
+
+# ---- habits
+
+def words_of_help():
+    return (wrong(berm("--version"), 0, "berm 0") or wrong(berm("rnu", "case.toml"), 2, 'did you mean "run"?') or wrong(berm("version"), 0, "berm 0")
+            or wrong(berm("report", "--help"), 0, "--scale") or wrong(berm("sweep", "--help"), 0, "--jobs", "--short")
+            or wrong(berm("factor_of_safety", "--help"), 0, "--tolerance") or wrong(berm("run", "--help"), 0, "--oversubscribe", "--force") or wrong(berm(), 2))
+
+
+def completed(line):
+    """What bash offers for the last word of a line."""
+    words = line.split(" ")
+    listed = " ".join(f"'{w}'" for w in words)
+    done = shell(f'eval "$("$BERM" completion bash)"; COMP_WORDS=({listed}); COMP_WORDS[0]=$BERM; COMP_CWORD={len(words) - 1}; _berm; echo "${{COMPREPLY[@]}}"')
+    return done.stdout.split()
+
+
+def completion():
+    pathlib.Path("case.toml").write_text(CASE)
+    for line, offered in (("berm r", {"run", "report"}), ("berm run --ov", {"--oversubscribe"}), ("berm run c", {"case.toml"}), ("berm schema --format j", {"json"}),
+                          ("berm sweep --sh", {"--short"}), ("berm check --fo", set()), ("berm completion b", {"bash"})):
+        if set(completed(line)) != offered:
+            return f"{line}: {completed(line)}, not {offered}"
+    return ""
+
+
+def origin_of_results():
+    for n in ("1", "2"):
+        if why := wrong(berm("run", "case.toml", "-n", n, "--oversubscribe", "--force", "--set", 'title="a b"'), 0):
+            return why
+        summary = json.loads(pathlib.Path("out/case/summary.json").read_text())
+        command = f"berm run case.toml -n {n} --oversubscribe --force --set 'title=\"a b\"'"
+        head = pathlib.Path("out/case/log.txt").read_text().splitlines()[:2]
+        if (summary["command"], summary["processes"], summary["host"]) != (command, int(n), os.uname().nodename) or not summary["version"]:
+            return f"-n {n}: {summary}"
+        if not head[0].startswith(f"berm {summary['version']}") or f"{n} process" not in head[0] or head[1] != "command: " + command:
+            return f"-n {n}: {head}"
+    return ""
+
+
+def progress():
+    """A line at least every five seconds, also of a run of slow steps."""
+    pathlib.Path("long.toml").write_text(LONG)
+    process = subprocess.Popen([BERM, "run", "long.toml"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(6.5)
+    process.terminate()
+    out, _ = process.communicate(timeout=60)
+    return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
+
+
+TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, failed_run_makes_way, links_are_not_followed, temporary_folder, no_path,
+         signals, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, progress]
+
+
+def main():
+    global BERM
+    if len(sys.argv) < 2 or sys.argv[1].startswith("-"):
+        sys.exit(__doc__)
+    BERM = str(pathlib.Path(sys.argv[1]).resolve())
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    failed = 0
+    for test in TESTS:
+        if sys.argv[2:] and test.__name__ not in sys.argv[2:]:
+            continue
+        start = time.monotonic()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            why = test()
+            os.chdir("/")
+        failed += bool(why)
+        print(f"{test.__name__:28} {time.monotonic() - start:5.1f} s  {'FAILED: ' + why if why else 'as it should'}", flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
