@@ -56,10 +56,21 @@ int guarded(const std::function<void()>& work) {
     return fail(error.what(), exit_bad_input);
   } catch (const berm::RunError& error) {
     return fail(fmt::format("berm: {}", error.what()), exit_failed);
+  } catch (const std::bad_alloc&) {
+    return fail("berm: no memory left: take larger cells or fewer points (`berm check` estimates what a run needs)", exit_failed);
   } catch (const std::exception& error) {
     if (alone) return fail(fmt::format("berm: {}", error.what()), exit_failed);
     fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), error.what());
     berm::Comm::world().abort(exit_failed);
+  }
+}
+
+/// What is wrong with a case that could be read has no line, but a file.
+void in_case(const std::string& file, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const berm::InputError& error) {
+    throw berm::InputError(fmt::format("{}: {}", file, error.what()));
   }
 }
 
@@ -121,10 +132,13 @@ int main(int argc, char** argv) {
     return guarded([&] {
       if (ranks_of_launcher() > 1) berm::start_petsc();
       const berm::Comm comm = berm::Comm::world();
-      auto world = berm::build_world(berm::read_case(file, overrides), comm);
-      berm::refuse_free_bodies(*world);
-      const std::string text = berm::describe(*world);
-      if (comm.is_root()) fmt::print("{}", text);
+      berm::Case spec = berm::read_case(file, overrides);
+      in_case(file, [&] {
+        auto world = berm::build_world(std::move(spec), comm);
+        berm::refuse_free_bodies(*world);
+        const std::string text = berm::describe(*world);
+        if (comm.is_root()) fmt::print("{}", text);
+      });
     });
   if (ranks > 1 && ranks_of_launcher() == 1) return run_under_mpiexec(ranks, {argv + 1, argv + argc});
   return guarded([&] {
@@ -136,6 +150,7 @@ int main(int argc, char** argv) {
     options.quiet = quiet;
     // mpiexec gives the processes a terminal of its own, wherever their words go in the end.
     if (ranks_of_launcher() > 1) options.is_interactive = user_sees_terminal();
-    berm::run_case(berm::read_case(file, overrides), options);
+    berm::Case spec = berm::read_case(file, overrides);
+    in_case(file, [&] { berm::run_case(std::move(spec), options); });
   });
 }
