@@ -77,6 +77,15 @@ def square_41(n=3, binary=False):
     return out + b"\n$EndElements\n"
 
 
+def square_22_binary(n=3):
+    """Gmsh 2.2, binary: quads."""
+    places, cells = nodes(n), quads(n)
+    out = b"$MeshFormat\n2.2 1 8\n" + struct.pack("<i", 1) + b"\n$EndMeshFormat\n$Nodes\n%d\n" % len(places)
+    out += b"".join(struct.pack("<i3d", k, x, y, 0.0) for k, (x, y) in enumerate(places, 1)) + b"\n$EndNodes\n$Elements\n%d\n" % len(cells)
+    out += struct.pack("<3i", 3, len(cells), 2) + b"".join(struct.pack("<7i", k, 2, 1, *cell) for k, cell in enumerate(cells, 1))
+    return out + b"\n$EndElements\n"
+
+
 def cube_22():
     """Gmsh 2.2: the unit cube in five tetrahedra."""
     corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -124,6 +133,7 @@ def read_files():
         ("triangles.msh", triangles, if_fem),
         ("packed.msh", packed, plane("mpm")),
         ("packed.msh", packed, grid_file),
+        ("old.msh", square_22_binary(), plane("mpm")),
         ("cube.msh", cube_22(), solid),
         ("cube.msh", cube_22(), solid_fem),
         ("cube.stl", cube_stl(False), surface),
