@@ -2,9 +2,11 @@
 """What a small run writes: run.py BERM"""
 
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
@@ -48,6 +50,30 @@ LOADED = BRITTLE + """
 references = [{ file = "lab.csv", x = "u", y = "F [kN]", label = "Lab" }, { file = "lab.csv", x = "u [mm]", y = "F" }]
 nominal = { load = ["left", "right"], displacement = "left", direction = [0.0, 1.0], area = "5000 cm2" }
 """
+# Without cohesion a wall of sand stands in no step, however small.
+FALLING = """
+title = "Sand that cannot stand"
+method = "mpm"
+model = { gravity = [0.0, "-9.81"], kinematics = "small" }
+grid = { origin = [-0.25, -0.25], cell_size = 0.125, cells = [20, 24] }
+[material.m]
+law = "mohr_coulomb"
+density = 2000.0
+youngs_modulus = 1e7
+poisson_ratio = 0.3
+cohesion = 1.0
+friction_angle = 20.0
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 2.0] }
+[boundary.base]
+where.box.max = [9.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[steps]
+count = 1
+min_fraction = 1e-15
+"""
 
 
 class Output(unittest.TestCase):
@@ -83,6 +109,18 @@ class Output(unittest.TestCase):
         self.assertGreater(history["reaction"][-1], 1.2 * history["reaction_y:right"][-1])
         np.testing.assert_allclose(history["reaction"], both, rtol=1e-12)
         np.testing.assert_allclose(history["nominal_stress"], both / 0.5, rtol=1e-12)
+
+    def test_a_signal_ends_a_run_whose_attempts_fail(self):
+        (self.path / "falling.toml").write_text(FALLING, encoding="utf-8")
+        command = [BERM, "run", "falling.toml", "--out", "falling", "--quiet"]
+        with subprocess.Popen(command, cwd=self.path, stderr=subprocess.PIPE, text=True) as process:
+            log = self.path / "falling" / "log.txt"
+            while process.poll() is None and not (log.is_file() and ": failed" in log.read_text(encoding="utf-8")):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            said = process.communicate()[1]
+        self.assertIn("stopped by a signal at time 0;", said)
+        self.assertEqual((process.returncode, Run(self.path / "falling").summary["status"]), (1, "stopped"))
 
     def test_components_have_names(self):
         data = read_grid(self.loaded.frames[-1][1]).GetPointData()
