@@ -47,6 +47,7 @@ SCALES = {
     "N": ((1e6, "MN"), (1e3, "kN"), (0.0, "N")),
     "m": ((2.0, "m"), (1e-4, "mm"), (0.0, "µm")),
     "J": ((1e4, "kJ"), (1.0, "J"), (0.0, "mJ")),
+    "s": ((0.0, "s"),),
 }
 FACTORS = {
     "GPa": 1e9,
@@ -62,6 +63,7 @@ FACTORS = {
     "kJ": 1e3,
     "J": 1.0,
     "mJ": 1e-3,
+    "s": 1.0,
 }
 
 
@@ -87,6 +89,22 @@ class Axis:
 
 STRESS_STRAIN = (Axis("nominal_strain", "Nominal strain", ""), Axis("nominal_stress", "Nominal stress", "Pa"))
 LOAD_DISPLACEMENT = (Axis("imposed_displacement", "Imposed displacement", "m"), Axis("reaction", "Load", "N"))
+TIME = Axis("time", "Time", "s")
+
+
+def diagrams(references):
+    """(name, alternative text, axes) of load curves: two kinds, and others that a reference curve is for."""
+    found = [
+        ("stress_strain", "Nominal stress over nominal strain", STRESS_STRAIN),
+        ("load_displacement", "Load over imposed displacement", LOAD_DISPLACEMENT),
+    ]
+    xs, ys = (STRESS_STRAIN[0], LOAD_DISPLACEMENT[0], TIME), (STRESS_STRAIN[1], LOAD_DISPLACEMENT[1])
+    for x, y in ((x, y) for x in xs for y in ys):
+        wanted = any(x.column in c.columns and y.column in c.columns for c in references)
+        drawn = any(axes == (x, y) for _, _, axes in found)
+        if wanted and not drawn:
+            found.append((f"{y.column}_{x.column}", f"{y.label} over {x.label.lower()}", (x, y)))
+    return found
 
 
 def curve_figure(runs, labels, references, axes):
@@ -131,12 +149,7 @@ def curve_figure(runs, labels, references, axes):
     plot.set_ylabel(names[1])
     plot.axhline(0.0, color="#444444", linewidth=0.5)
     plot.margins(x=0.02)
-    entries = len(overlaid) + len(drawn)
-    if entries <= 4:
-        plot.legend(loc="best")
-    else:  # would hide the curves
-        figure.set_figheight(3.9 + 0.2 * math.ceil(entries / 3))
-        plot.legend(loc="upper center", bbox_to_anchor=(0.48, -0.14), ncols=3, columnspacing=1.5)
+    place_legend(figure, plot)
     return figure
 
 
@@ -192,6 +205,61 @@ def energy_figure(runs, labels):
     return figure
 
 
+def time_groups(runs):
+    """[(name, title, [columns], unit)] of gauges, probes by unit, and reactions that the histories have and that ever move."""
+    columns = {c: run.units.get(c, "-") for run in runs for c in run.history if ":" in c}
+    top = {c: largest([run.history[c] for run in runs if c in run.history]) for c in columns}
+    kinds = {"gauge": "Gauges", "probe": "Probes", "reaction": "Reactions"}
+    groups = {}
+    for column, unit in columns.items():
+        kind = column.split(":")[0].split("_")[0]
+        if kind in kinds and top[column] > 0.0:
+            groups.setdefault((kind, unit), []).append(column)
+    found = []
+    for (kind, unit), group in groups.items():
+        least = 1e-6 * max(top[c] for c in group) if kind == "reaction" else 0.0  # what supports only round off
+        several = sum(k == kind for k, _ in groups) > 1
+        name = f"{kind}s_{unit.replace('/', '_per_').replace('-', 'plain')}" if several else f"{kind}s"
+        found.append((name, kinds[kind], [c for c in group if top[c] > least], unit))
+    return found
+
+
+def column_label(column):
+    """"platen, y" for "reaction_y:platen"; the name for gauges and probes."""
+    kind, name = column.split(":", 1)
+    return f"{name}, {kind[-1]}" if kind.startswith("reaction_") else name
+
+
+def time_figure(runs, labels, title, columns, unit):
+    """Columns of the history over time: colours are columns, lines of different style are runs."""
+    arrays = [run.history[c] for run in runs for c in columns if c in run.history]
+    factor, shown = unit_for(unit, largest(arrays)) if unit in SCALES else (1.0, unit)
+    figure, plot = plt.subplots(figsize=(5.6, 3.9), layout="constrained")
+    styles = ("-", *REFERENCE_STYLES)
+    for r, (run, label) in enumerate(zip(runs, labels)):
+        for k, column in enumerate(columns):
+            if column in run.history:
+                text = column_label(column) if len(runs) == 1 else f"{column_label(column)}: {label}"
+                style = {"color": RUN_COLOURS[k % len(RUN_COLOURS)], "linestyle": styles[r % len(styles)]}
+                plot.plot(run.history["time"], run.history[column] / factor, label=text, **style)
+    plot.set_xlabel("Time [s]")
+    plot.set_ylabel(f"{title} [{shown}]")
+    plot.axhline(0.0, color="#444444", linewidth=0.5)
+    plot.margins(x=0.01)
+    place_legend(figure, plot)
+    return figure
+
+
+def place_legend(figure, plot):
+    """Inside; below the diagram where it would hide the curves."""
+    entries = len(plot.get_legend_handles_labels()[0])
+    if entries <= 4:
+        plot.legend(loc="best")
+        return
+    figure.set_figheight(3.9 + 0.2 * math.ceil(entries / 3))
+    plot.legend(loc="upper center", bbox_to_anchor=(0.48, -0.14), ncols=3, columnspacing=1.5)
+
+
 @dataclass
 class Field:
     """A map: its name, what to show of a frame, its unit in the file and its colours."""
@@ -235,14 +303,14 @@ AXISYMMETRIC_MAPS = (
 PLASTIC_STRAIN = Field("plastic_strain", "Plastic strain", "", "opening", "plastic_strain")
 
 
-def fields_of(frames, maps):
-    """What to draw of these frames: plastic strain if a law has it; then damage only if there is any."""
+def fields_of(frames, maps, damaged):
+    """What to draw of these frames: plastic strain if a law has it; then damage only if there is any, and never if no run
+    is damaged at any time.
+    """
     plastic = ["plastic_strain" in frame for frame in frames]
-    if not any(plastic):
-        return maps
-    if all(plastic) and not any(np.any(frame.get("damage", 0.0)) for frame in frames):
-        maps = [field for field in maps if field.name not in ("damage", "crack_opening")]
-    return (PLASTIC_STRAIN, *maps)
+    if not damaged or (all(plastic) and not any(np.any(frame.get("damage", 0.0)) for frame in frames)):
+        maps = tuple(field for field in maps if field.name not in ("damage", "crack_opening"))
+    return (PLASTIC_STRAIN, *maps) if any(plastic) else maps
 
 
 COLOURS = {
@@ -286,8 +354,15 @@ def colour_limits(kind, arrays):
         return -limit, limit
     if kind == "magnitude":
         return 0.0, largest(arrays)
-    positive = [a[a > 0.0] for a in arrays if (a > 0.0).any()]
-    return 0.0, max((np.percentile(a, 99.5) for a in positive), default=0.0)
+    return 0.0, max((heavy_value(a[a > 0.0]) for a in arrays), default=0.0)
+
+
+def heavy_value(values, share=0.1):
+    """Values above it hold that share of the sum: a crack in less than a hundredth of the points counts, faint ones do not."""
+    if not values.size:
+        return 0.0
+    falling = np.sort(values)[::-1]
+    return falling[np.searchsorted(np.cumsum(falling), share * falling.sum())]
 
 
 @dataclass

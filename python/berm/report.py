@@ -102,9 +102,9 @@ def metric_rows(runs):
     rows = []
     for key in keys:
         name, unit = split_unit(key)
-        rows.append(
-            (NAMES.get(name, name.replace("_", " ")), unit, [run.summary.get("metrics", {}).get(key) for run in runs])
-        )
+        values = [run.summary.get("metrics", {}).get(key) for run in runs]
+        if any(value is not None for value in values):
+            rows.append((NAMES.get(name, name.replace("_", " ")), unit, values))
     for column, name in (
         ("external_work", "External work at the end"),
         ("elastic_energy", "Elastic energy at the end"),
@@ -175,13 +175,10 @@ class Pictures:
 
 
 def curves_html(runs, labels, references, pictures):
-    from berm.figures import LOAD_DISPLACEMENT, STRESS_STRAIN, curve_figure
+    from berm.figures import curve_figure, diagrams
 
     parts = []
-    for name, alt, axes in (
-        ("stress_strain", "Nominal stress over nominal strain", STRESS_STRAIN),
-        ("load_displacement", "Load over imposed displacement", LOAD_DISPLACEMENT),
-    ):
+    for name, alt, axes in diagrams(references):
         figure = curve_figure(runs, labels, references, axes)
         if figure:
             parts.append(pictures.html(figure, name, alt))
@@ -192,6 +189,16 @@ def curves_html(runs, labels, references, pictures):
     )
     note = "<p class='note'>Dots mark the largest nominal stress.</p>"
     return f'<h2>Load curves</h2><div class="figures">{"".join(parts)}</div>{note}{sources}'
+
+
+def times_html(runs, labels, pictures):
+    from berm.figures import time_figure, time_groups
+
+    parts = [
+        pictures.html(time_figure(runs, labels, title, columns, unit), name, f"{title} over time")
+        for name, title, columns, unit in time_groups(runs)
+    ]
+    return f'<h2>Over time</h2><div class="figures">{"".join(parts)}</div>' if parts else ""
 
 
 def energies_html(runs, labels, pictures):
@@ -263,7 +270,7 @@ def maps_html(runs, labels, scale, pictures, prefix=""):
         scenes = make_scenes(runs, labels, indices, scale)
         if not scenes:
             continue
-        fields = fields_of([scene.frame for scene in scenes], maps)
+        fields = fields_of([scene.frame for scene in scenes], maps, any(run.damaged for run in runs))
         figures = [(field, map_figure(scenes, field, heading, [frame_note(s) for s in scenes])) for field in fields]
         images = "".join(
             pictures.html(f, f"{prefix}{name}_{field.name}", f"{field.label}, {heading}") for field, f in figures if f
@@ -273,7 +280,8 @@ def maps_html(runs, labels, scale, pictures, prefix=""):
             f"Points on the deformed body, displacements × {scale:g}; thin lines: outline at the start; "
             "hatched: rigid bodies; white inside a body: it has opened by more than the side of a point. "
             "Stresses: tension positive, "
-            "Cauchy; colours span the 1st to 99th percentile, below each map are the extremes."
+            "Cauchy; colours span the 1st to 99th percentile, those of crack openings and plastic strains all but the largest "
+            "values, which hold a tenth of the sum; below each map are the extremes."
         )
         if axisymmetric:
             note += (
@@ -346,6 +354,9 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
     stress, (damage, opening) = level_field(loading), MAPS[:2]
     # Where the peak is the last frame, that one shows the stress too.
     fields = {"elastic": (stress,), "peak": (stress, damage), "last": (damage, opening) if peak else (stress, damage)}
+    damaged = any(run.damaged for run in runs)
+    if not damaged:
+        fields = dict.fromkeys(fields, (stress,))
     missing = why_not()
     parts, bare = [], []
     for (name, heading, title), indices in zip(SOLID_FRAMES, (elastic, peak, last)):
@@ -371,14 +382,15 @@ def solids_html(runs, labels, scale, pictures, prefix=""):
                 if figure:
                     alt = f"{field.label}, {heading}, {plane}"
                     images.append(pictures.html(figure, f"{prefix}{name}_{field.name}_{normal}", alt))
+        title = title if damaged else f"Stress, {heading}"
         parts.append(f'<h2>{title}</h2><div class="figures">{"".join(images)}</div>')
         if name == "peak":
             parts.append(f'<p class="note">{peak_note(bodies)}</p>')
     text = (
         f"Bodies are deformed, displacements × {scale:g}. Sections: every place has the value of the nearest point; "
         "white inside a body: it has opened by more than the side of a point; hatched: rigid bodies. "
-        "Stresses: Cauchy, tension positive; colours span the 1st to 99th percentile of all runs in a picture, "
-        "below each map are the extremes."
+        "Stresses: Cauchy, tension positive; colours span the 1st to 99th percentile of all runs in a picture, those of "
+        "crack openings all but the largest values, which hold a tenth of the sum; below each map are the extremes."
     )
     if not missing:
         text += (
@@ -429,6 +441,21 @@ def inputs_html(runs, labels):
     return f"<h2>Input and warnings</h2>{''.join(parts)}" if parts else ""
 
 
+def read_curves(runs, files):
+    """([Curve], [why a curve is missing]). Those of the cases may be missing, not those that were asked for now."""
+    curves, refused = [Curve(file) for file in files], []
+    of_cases = []
+    for run in runs:
+        of_cases += [r for r in run.summary.get("references", []) if r not in of_cases and r not in files]
+    for reference in of_cases:
+        try:
+            curves.append(Curve(reference))
+        except ResultError as error:
+            refused.append(f"reference curve {error}")
+            print(f"warning: reference curve {error}", file=sys.stderr)
+    return curves, refused
+
+
 def write_report(paths, out=None, references=(), scale=1.0, title=None):
     """Writes the report and returns its path. Raises ResultError for unusable folders and files."""
     runs = [Run(path) for path in paths]
@@ -436,10 +463,7 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
         if not len(run.history.get("time", ())):
             raise ResultError(f"{run.path}/history.csv has no rows of time: the run ended before its first step")
     labels = run_labels(runs)
-    files = list(references)
-    for run in runs:
-        files += [f for f in run.summary.get("references", []) if f not in files]
-    curves = [Curve(file) for file in files]
+    curves, refused = read_curves(runs, references)
     out = out or os.path.join(paths[0], "report.html")
     pictures = Pictures(os.path.dirname(out) or ".")
     title = title or runs[0].summary.get("title") or runs[0].name
@@ -450,7 +474,9 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
                 f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
                 f"<style>{STYLE}</style></head><body>",
                 f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
+                "".join(f"<p class='note'>Not drawn: {html.escape(text)}</p>" for text in refused),
                 curves_html(runs, labels, curves, pictures),
+                times_html(runs, labels, pictures),
                 energies_html(runs, labels, pictures),
                 motion_html(runs, labels, pictures),
                 fields_html(runs, labels, scale, pictures),

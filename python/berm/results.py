@@ -14,26 +14,24 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-TO_SI = {
-    "m": 1.0,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "cm": 1e-2,
-    "Pa": 1.0,
-    "kPa": 1e3,
-    "MPa": 1e6,
-    "GPa": 1e9,
-    "N/mm2": 1e6,
-    "N": 1.0,
-    "kN": 1e3,
-    "MN": 1e6,
-    "J": 1.0,
-    "kJ": 1e3,
-    "s": 1.0,
-    "-": 1.0,
-    "%": 1e-2,
-    "permille": 1e-3,
+# SI values of the units of columns, by dimension: those of case files (src/case/units.cpp), and parts of one.
+UNITS = {
+    "strain": {"-": 1.0, "1": 1.0, "%": 1e-2, "permille": 1e-3, "‰": 1e-3},
+    "length": {"m": 1.0, "km": 1e3, "dm": 1e-1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6},
+    "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
+    "stress": {
+        "Pa": 1.0,
+        "kPa": 1e3,
+        "MPa": 1e6,
+        "GPa": 1e9,
+        "bar": 1e5,
+        "N/m2": 1.0,
+        "kN/m2": 1e3,
+        "MN/m2": 1e6,
+        "N/mm2": 1e6,
+        "kN/mm2": 1e9,
+    },
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
 }
 
 
@@ -180,26 +178,166 @@ def read_surface(path):
     return places[first], triangles[proper]
 
 
+def find_unit(name):
+    """(dimension, SI value of one) of a unit; None if it is not known. "mm²", "mm^2" and "mm 2" are "mm2"."""
+    plain = name.translate(str.maketrans({" ": None, "^": None, "²": "2", "³": "3", "µ": "u", "μ": "u"}))
+    return next(((dimension, units[plain]) for dimension, units in UNITS.items() if plain in units), None)
+
+
+def read_lines(path):
+    """[(number, text)] of the lines of a text that are not empty; what is no UTF-8 is Latin-1."""
+    try:
+        with open(path, "rb") as file:
+            content = file.read()
+    except OSError as error:
+        raise ResultError(f"cannot read {path}: {error}") from None
+    if b"\0" in content:
+        raise ResultError(f"{path}: is no text in UTF-8 or Latin-1 (export it as CSV)")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")
+    return [(k, line) for k, line in enumerate(re.split(r"\r\n|\r|\n", text), 1) if line.strip(" \t")]
+
+
+def split_cells(line, delimiter):
+    try:
+        return next(csv.reader([line], delimiter=delimiter))
+    except csv.Error as error:
+        raise ResultError(f"a line cannot be cut into cells: {error}") from None
+
+
+def find_delimiter(line, given):
+    """Commas come last: they may be decimal ones, and stand in names."""
+    return given or next((c for c in "\t;|" if len(split_cells(line, c)) > 1), ",")
+
+
+def find_number(cell):
+    """A decimal comma is one; NaN for an empty cell, a gap of the measurement."""
+    text = cell.strip()
+    if "." not in text and text.count(",") == 1:
+        text = text.replace(",", ".")
+    return float(text) if text else np.nan
+
+
 class Curve:
-    """A reference curve in SI units: columns of nominal_strain, nominal_stress, imposed_displacement, reaction."""
+    """A reference curve in SI units: columns of time, nominal_strain, nominal_stress, imposed_displacement, reaction.
 
-    NAMES = ("nominal_strain", "nominal_stress", "imposed_displacement", "reaction")
+    `reference`: a path, or {"file", "x", "y", "delimiter", "label"} as in output.references of a case. By the rules of
+    src/case/reference_file.cpp, which has looked at the file before the run.
+    """
 
-    def __init__(self, path):
-        self.path = path
-        columns, units, comments = read_table(path)
-        notes = dict(c.split(":", 1) for c in comments if ":" in c)
-        self.source = notes.get("source", "").strip()
-        self.label = notes.get("label", "").strip() or os.path.splitext(os.path.basename(path))[0]
-        self.columns = {}
-        for name, values in columns.items():
-            if name not in self.NAMES:
+    DIMENSIONS = {
+        "nominal_strain": "strain",
+        "nominal_stress": "stress",
+        "imposed_displacement": "length",
+        "reaction": "force",
+    }
+    AXES = {
+        "x": {"strain": "nominal_strain", "length": "imposed_displacement", "time": "time"},
+        "y": {"stress": "nominal_stress", "force": "reaction"},
+    }
+    FARTHEST_HEADER = 50  # lines of what a testing machine writes before the names of the columns
+
+    def __init__(self, reference):
+        about = {"file": reference} if isinstance(reference, (str, os.PathLike)) else reference
+        self.path = os.fspath(about["file"])
+        self.delimiter = about.get("delimiter", "")
+        lines = read_lines(self.path)
+        notes = dict(line[1:].split(":", 1) for _, line in lines if line.startswith("#") and ":" in line)
+        notes = {key.strip(): value.strip() for key, value in notes.items()}
+        self.source = notes.get("source", "")
+        self.label = (
+            about.get("label") or notes.get("label") or os.path.splitext(os.path.basename(self.path))[0]
+        )
+        self.lines = [(number, line) for number, line in lines if not line.startswith("#")]
+        if not self.lines:
+            raise ResultError(f"{self.path} is empty")
+        wanted = [about[key] for key in ("x", "y") if about.get(key)]
+        found = self._named_columns(wanted) if wanted else self._standard_columns()
+        self.columns = self._read_rows(found)
+
+    def _fail(self, number, text):
+        raise ResultError(f"{self.path}:{number}: {text}")
+
+    def _find_header(self, fits):
+        """The first line with columns that fit; else the first of the widest."""
+        found = None
+        for k, (number, line) in enumerate(self.lines[: self.FARTHEST_HEADER]):
+            cells = [split_unit(cell) for cell in split_cells(line, find_delimiter(line, self.delimiter))]
+            good = fits(cells)
+            if good or found is None or len(cells) > len(found[2]):
+                found = (k, number, cells)
+            if good:
+                break
+        self.header, self.header_line, self.cells = found
+
+    @staticmethod
+    def _matches(cells, name):
+        name, unit = split_unit(name)
+        return [k for k, (other, its) in enumerate(cells) if other == name and (not unit or not its or unit == its)]
+
+    def _no_column(self, name):
+        there = '", "'.join(f"{n} [{u}]" if u else n for n, u in self.cells)
+        self._fail(self.header_line, f'no column "{name}"; there are "{there}"')
+
+    def _named_columns(self, wanted):
+        """{column of a history: (index, SI value of its unit)}"""
+        self._find_header(lambda cells: all(self._matches(cells, name) for name in wanted))
+        found = {}
+        for axis, name in zip(self.AXES, wanted):
+            matches = self._matches(self.cells, name)
+            if len(matches) != 1:
+                self._fail(self.header_line, f'more than one column is "{name}"') if matches else self._no_column(name)
+            unit = split_unit(name)[1] or self.cells[matches[0]][1]
+            dimension, factor = find_unit(unit) or (None, 0.0)
+            if dimension not in self.AXES[axis]:
+                known = ", ".join(u for d in self.AXES[axis] for u in UNITS[d])
+                self._fail(self.header_line, f'column "{name}" has the unit "{unit}"; {axis} may have {known}')
+            found[self.AXES[axis][dimension]] = (matches[0], factor)
+        return found
+
+    def _standard_columns(self):
+        self._find_header(lambda cells: sum(name in self.DIMENSIONS for name, _ in cells) >= 2)
+        found = {}
+        for k, (name, unit) in enumerate(self.cells):
+            if name not in self.DIMENSIONS:
                 continue
-            if units[name] not in TO_SI:
-                raise ResultError(f'{path}: column "{name}" has unit "{units[name]}"; known: {", ".join(TO_SI)}')
-            self.columns[name] = values * TO_SI[units[name]]
-        if len(self.columns) < 2:
-            raise ResultError(f"{path}: a reference curve needs two of the columns {', '.join(self.NAMES)}")
+            dimension, factor = find_unit(unit) or (None, 0.0)
+            if dimension != self.DIMENSIONS[name]:
+                known = ", ".join(UNITS[self.DIMENSIONS[name]])
+                self._fail(self.header_line, f'column "{name}" has the unit "{unit}"; known: {known}')
+            found[name] = (k, factor)
+        if len(found) < 2:
+            self._no_column('" or "'.join(self.DIMENSIONS))
+        return found
+
+    def _number(self, line, index, cell):
+        try:
+            return find_number(cell)
+        except ValueError:
+            self._fail(line, f'"{cell.strip()}" in column "{self.cells[index][0]}" is no number')
+
+    def _read_rows(self, found):
+        """The rows with numbers in all columns."""
+        delimiter = find_delimiter(self.lines[self.header][1], self.delimiter)
+        rows, texts = [], ""
+        for k, (number, line) in enumerate(self.lines[self.header + 1 :], self.header + 2):
+            cells = split_cells(line, delimiter)
+            few = len(cells) <= max(index for index, _ in found.values())
+            if few and k == len(self.lines):
+                break  # cut short by a run that was killed
+            if few or any(cell.strip() for cell in cells[len(self.cells) :]):
+                self._fail(number, f"{len(cells)} cells, where the header has {len(self.cells)}")
+            rows.append([self._number(number, index, cells[index]) * factor for index, factor in found.values()])
+            texts += "".join(c for index, _ in found.values() for c in cells[index] if c in ".,")
+        if "." in texts and "," in texts:
+            self._fail(self.header_line, "the file has decimal commas and decimal points")
+        values = np.array(rows).reshape(len(rows), len(found))
+        values = values[np.isfinite(values).all(axis=1)]
+        if not len(values):
+            self._fail(self.header_line, "no row below it has numbers in the columns")
+        return {name: values[:, k] for k, name in enumerate(found)}
 
 
 class Run:
@@ -253,6 +391,12 @@ class Run:
             if name in (key, split_unit(key)[0]):
                 return value
         return None
+
+    @property
+    def damaged(self):
+        """Something is damaged at some time."""
+        worst = self.metric("max_damage")
+        return bool(np.nanmax(self.history.get("max_damage", 0.0)) if worst is None else worst)
 
     def peak_row(self):
         """Row of the history with the largest nominal stress (in size); None without a load."""

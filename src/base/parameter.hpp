@@ -24,7 +24,10 @@ enum class Unit {
   force,
   stress_per_length,
   time,
-  viscosity
+  minutes,  ///< a time too, whose bare number counts minutes
+  rate,
+  viscosity,
+  area
 };
 
 /// Admissible interval of a value; open ends exclude the bound itself.

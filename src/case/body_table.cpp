@@ -139,15 +139,16 @@ double extent_of(const PlaneShape& shape) {
   return (region.max() - region.min()).cwiseAbs().maxCoeff();
 }
 
-/// Also finds what is wrong with a surface from a file.
+/// Also finds what is wrong with a plane shape, and with a surface from a file.
 void check_reach(const Scope& scope, const Body& body) {
   if (!body.shape) return;
+  const auto* plane = std::get_if<PlaneShape>(&*body.shape);
   try {
     // Maps have large coordinates: the size counts. In space it would have to be triangulated first.
-    const auto* plane = std::get_if<PlaneShape>(&*body.shape);
-    const double reach = plane && largest_coordinate(*body.shape) > 1000.0 ? extent_of(*plane) : largest_coordinate(*body.shape);
+    const double reach = std::min(plane ? extent_of(*plane) : infinity, largest_coordinate(*body.shape));
     if (reach > 1000.0) scope.warn("shape", fmt::format("[{}] reaches {:.6g} m: did you mean mm?", scope.path, reach));
   } catch (const InputError& error) {
+    if (plane) return scope.explain("shape", error.what());
     scope.child(*scope.node.find("shape"))->explain("surface", error.what());
   }
 }

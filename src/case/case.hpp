@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/reference_curve.hpp"
 #include "base/time_function.hpp"
 #include "law/all.hpp"
 #include "law/point_response.hpp"
@@ -251,7 +252,7 @@ inline constexpr const char* mixed_on_moving_simplices =
 
 /// Which load and which displacement make the nominal curve.
 struct Nominal {
-  std::string load;          ///< name of a rigid body, boundary or pressure
+  std::vector<std::string> load;  ///< names of rigid bodies, boundaries or pressures, whose forces are summed
   std::string displacement;  ///< name of a rigid body, boundary or gauge
   Vec3 direction = Vec3(0.0, -1.0, 0.0);
   double area = 1.0;    ///< nominal stress = reaction / area [m2]
@@ -264,7 +265,7 @@ struct Output {
   Nominal nominal;
   std::vector<Gauge> gauges;
   std::vector<Probe> probes;
-  std::vector<std::string> references;  ///< CSV reference curves for the report (resolved paths)
+  std::vector<ReferenceCurve> references;  ///< for the report
 };
 
 /// When the state is saved, so that a run can go on after an end of any kind.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "base/error.hpp"
 #include "case/petsc_options.hpp"
@@ -167,7 +168,10 @@ private:
     for (const Body& body : c_.bodies) {
       if (body.rigid) sources.push_back(body.name);
     }
-    refer_one(scope, "load", nominal.load, "rigid body, boundary or pressure", sources, names_of(c_.pressures));
+    for (const std::string& name : nominal.load)
+      refer_one(scope, "load", name, "rigid body, boundary or pressure", sources, names_of(c_.pressures));
+    if (std::set<std::string>(nominal.load.begin(), nominal.load.end()).size() < nominal.load.size())
+      scope.explain("load", "names something twice, whose force would count twice");
     refer_one(scope, "displacement", nominal.displacement, "rigid body, boundary or gauge", sources,
               names_of(c_.output.gauges));
     for (const NodeBoundary& b : c_.boundaries)
@@ -221,8 +225,7 @@ private:
     try {
       const double x = PlaneRegion(*shape).min().x();
       check_radius(at("body", body.name), "shape", "the shape", x, largest_coordinate(*shape));
-    } catch (const InputError& error) {  // nothing is left of it, or it cuts itself
-      at("body", body.name).explain("shape", error.what());
+    } catch (const InputError&) {  // the table of bodies has told what is wrong with the shape
     }
   }
 

@@ -18,6 +18,12 @@ std::string named_table(const Case& c, const std::string& line) {
   return "";
 }
 
+/// "mesh.msh:12: ...", "out/a/checkpoint.h5: ..."
+bool names_file(const std::string& line) {
+  static const std::regex file(R"(\S+\.[A-Za-z0-9]+(:\d+)*:? .*)");
+  return std::regex_match(line, file);
+}
+
 }  // namespace
 
 std::string with_places(const Case& c, const std::string& text) {
@@ -25,7 +31,7 @@ std::string with_places(const Case& c, const std::string& text) {
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string line = text.substr(begin, end - begin), table = named_table(c, line);
-    if (!table.empty()) out += c.places.at(table) + ": ";
+    out += !table.empty() ? c.places.at(table) + ": " : names_file(line) ? "" : c.file.string() + ": ";
     out += line;
     if (end < text.size()) out += '\n';
     begin = end + 1;

@@ -8,7 +8,8 @@
 
 namespace berm {
 
-/// Every line that names a table ([pin.left], body "dam") begins with the place of the first one: "dam.toml:14:1: ...".
+/// Every line that names a table ([pin.left], body "dam") begins with the place of the first one, "dam.toml:14:1: ..."; others
+/// with the file of the case unless they begin with one.
 std::string with_places(const Case& c, const std::string& text);
 
 /// Does the work; an InputError from it goes on with places.

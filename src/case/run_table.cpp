@@ -7,11 +7,17 @@ namespace {
 
 Table<Nominal> nominal_table() {
   Table<Nominal> t("Which load and which displacement make the nominal stress-strain curve.");
-  t.string("load", &Nominal::load, "name of a rigid body, boundary or pressure", "whose reaction is the load");
+  KeyInfo load = plain_info("load", "name or names of rigid bodies, boundaries, pressures", "array",
+                            "whose reaction is the load; of several the sum");
+  load.json = either_schema(plain_info("", "", "string", "").json, array_schema(plain_info("", "", "string", "").json));
+  t.custom(load, [](Scope& s, Node::Entry& e, Nominal& n) {
+    if (const auto names = read_one_or_more(s, e)) n.load = *names;
+    if (e.value.array() && e.value.array()->empty()) s.error("load", "must not be empty");
+  });
   t.string("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
            "whose motion is the imposed displacement");
   t.vector("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
-  t.number("area", &Nominal::area, Unit::none, positive(), "nominal stress = load / area [m2]");
+  t.number("area", &Nominal::area, Unit::area, positive(), "nominal stress = load / area");
   t.number("length", &Nominal::length, Unit::length, positive(), "nominal strain = displacement / length");
   t.check([](Scope& s, Nominal& n) {
     if (n.direction.norm() > 0.0) {
@@ -112,8 +118,7 @@ Table<Dynamics> dynamics_table() {
          "with transfers other than \"apic\", which carries gradients instead");
   t.number("flip_fraction", &Dynamics::flip_fraction, Unit::none, {0.0, 1.0}, "share of flip; the rest is pic");
   t.only([](const Scope&, const Dynamics& d) { return d.transfer == Transfer::blend; }, "with transfer = \"blend\"");
-  t.number("rayleigh_mass", &Dynamics::rayleigh_mass, Unit::none, non_negative(),
-           "damping in units of the mass [1/s]");
+  t.number("rayleigh_mass", &Dynamics::rayleigh_mass, Unit::rate, non_negative(), "damping in units of the mass");
   t.number("rayleigh_stiffness", &Dynamics::rayleigh_stiffness, Unit::time, non_negative(),
            "damping in units of the stiffness");
   t.number("local_damping", &Dynamics::local_damping, Unit::none, {0.0, 1.0, false, true},
@@ -129,11 +134,7 @@ Table<Output> output_table() {
   t.integer("vtk_every", &Output::vtk_every, {0.0}, "steps between VTK files; 0: `frames` decides");
   t.integer("frames", &Output::frames, {0.0, 100000.0},
             "VTK files over the run, evenly spaced, beside first, peak and last");
-  KeyInfo references = plain_info("references", "array of files", "array", "CSV curves for the report to compare with");
-  references.json.set("items", plain_info("", "", "string", "").json);
-  t.custom(references, [](Scope& s, Node::Entry& e, Output& output) {
-    if (const auto files = read_files(s, e, false)) output.references = *files;
-  });
+  t.custom(references_info(), [](Scope& s, Node::Entry& e, Output& output) { output.references = read_references(s, e); });
   t.table("nominal", &Output::nominal, nominal_table());
   return t;
 }
@@ -142,8 +143,8 @@ Table<Checkpoint> checkpoint_table() {
   Table<Checkpoint> t(
       "When the state is saved, so that a run can go on after an end of any kind; never if both are 0.");
   t.integer("every_steps", &Checkpoint::every_steps, {0.0}, "steps between checkpoints; 0: by time alone");
-  t.number("every_minutes", &Checkpoint::every_minutes, Unit::none, non_negative(),
-           "wall-clock minutes between checkpoints; 0: by steps alone");
+  t.number("every_minutes", &Checkpoint::every_minutes, Unit::minutes, non_negative(),
+           "wall-clock time between checkpoints; 0: by steps alone");
   return t;
 }
 

@@ -44,7 +44,8 @@ void write_section(const std::string& title, const std::string& doc, const std::
 std::string unit_rows() {
   std::string out;
   for (const Unit unit : {Unit::length, Unit::stress, Unit::density, Unit::energy_per_area, Unit::velocity, Unit::acceleration,
-                          Unit::angle, Unit::force, Unit::stress_per_length}) {
+                          Unit::angle, Unit::force, Unit::stress_per_length, Unit::area, Unit::time, Unit::rate,
+                          Unit::viscosity}) {
     out += fmt::format("| {} | {} | {} |\n", unit_name(unit), file_unit(unit), unit_list(unit));
   }
   return out;

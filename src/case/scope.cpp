@@ -316,19 +316,11 @@ std::optional<std::vector<std::string>> read_strings(const Scope& scope, const N
   return strings;
 }
 
-std::optional<std::vector<std::string>> read_files(const Scope& scope, Node::Entry& entry, bool needed) {
-  Node::Array* items = entry.value.array();
-  if (!items) {
-    wrong_type(scope, entry, "an array of file names");
-    return std::nullopt;
-  }
-  std::vector<std::string> files;
-  for (std::size_t i = 0; i < items->size(); ++i) {
-    Node::Entry item = item_entry(entry, i, (*items)[i]);
-    if (const auto file = read_file(scope, item, needed)) files.push_back(*file);
-    (*items)[i] = item.value;
-  }
-  return files;
+std::optional<std::vector<std::string>> read_one_or_more(const Scope& scope, const Node::Entry& entry) {
+  if (entry.value.array()) return read_strings(scope, entry);
+  if (const std::string* one = entry.value.string()) return std::vector{*one};
+  wrong_type(scope, entry, "a string or an array of strings");
+  return std::nullopt;
 }
 
 }  // namespace berm

@@ -68,6 +68,7 @@ std::optional<std::size_t> read_choice(const Scope&, const Node::Entry&, const s
 /// A file that does not exist is an error, or a warning if it is not `needed`.
 std::optional<std::string> read_file(const Scope&, Node::Entry&, bool needed);
 std::optional<std::vector<std::string>> read_strings(const Scope&, const Node::Entry&);
-std::optional<std::vector<std::string>> read_files(const Scope&, Node::Entry&, bool needed);
+/// A string, or an array of them.
+std::optional<std::vector<std::string>> read_one_or_more(const Scope&, const Node::Entry&);
 
 }  // namespace berm

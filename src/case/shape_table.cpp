@@ -6,6 +6,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "base/error.hpp"
 #include "case/tables.hpp"
 #include "mesh/closed_spline.hpp"
 #include "mesh/surface.hpp"
@@ -98,6 +99,11 @@ void read_spline(const Scope& scope, const Node::Entry& entry, std::vector<Vec2>
     if ((points[(i + 1) % points.size()] - points[i]).stableNorm() <= 1e-9 * length)
       return scope.error(entry.key, i + 1 < points.size() ? fmt::format("names point {} twice in a row", i + 1)
                                                           : "closes by itself: leave out the last point");
+  try {
+    points = closed_spline(points);
+  } catch (const InputError& error) {
+    scope.explain(entry.key, error.what());
+  }
 }
 
 KeyInfo points_info(const std::string& key, const std::string& doc) {
@@ -202,7 +208,7 @@ PlaneShape plane_shape(const ShapeInput& in) {
   if (in.box) return {Box{in_plane(in.box->min), in_plane(in.box->max)}};
   if (in.disc) return {*in.disc};
   if (!in.polygon.empty()) return {Polygon{in.polygon}};
-  if (!in.spline.empty()) return {Polygon{closed_spline(in.spline)}};
+  if (!in.spline.empty()) return {Polygon{in.spline}};
   if (!in.join.empty()) return {Combination{Combination::Kind::join, parts_as<PlaneShape>(in.join)}};
   return {Combination{Combination::Kind::difference, parts_as<PlaneShape>(in.difference)}};
 }

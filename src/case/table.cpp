@@ -38,9 +38,7 @@ Node number_schema(Unit unit, const Range& range) {
   if (unit == Unit::none) return number;
   Node text = typed("string");
   text.set("description", Node("number with a unit: " + unit_list(unit)));
-  Node either;
-  either.set("anyOf", Node(Node::Array{number, text}));
-  return either;
+  return either_schema(std::move(number), std::move(text));
 }
 
 /// A number, a number with a unit, or an expression.
@@ -49,9 +47,7 @@ Node function_schema(Unit unit, bool of_place) {
   const char* variables = of_place ? "t, x, y and z" : "t";
   text.set("description",
            Node(fmt::format("number with a unit ({}), or an expression of {}", unit_list(unit), variables)));
-  Node either;
-  either.set("anyOf", Node(Node::Array{typed("number"), text}));
-  return either;
+  return either_schema(typed("number"), std::move(text));
 }
 
 std::string bracketed(Unit unit) { return unit == Unit::none ? "" : fmt::format(" [{}]", file_unit(unit)); }
@@ -157,16 +153,25 @@ KeyInfo table_info(const std::string& key, const std::string& doc, std::vector<K
   return info;
 }
 
+Node either_schema(Node one, Node other) {
+  Node either;
+  either.set("anyOf", Node(Node::Array{std::move(one), std::move(other)}));
+  return either;
+}
+
+Node array_schema(Node items) {
+  Node json = typed("array");
+  json.set("items", std::move(items));
+  return json;
+}
+
 Node object_schema(const std::vector<KeyInfo>& keys) {
   Node properties;
   for (const KeyInfo& info : keys) {
     Node json = info.json;
     json.set("description", Node(info.condition.empty() ? info.doc : info.doc + " (only " + info.condition + ")"));
-    if (Node::Entry* twin = properties.find(info.key)) {  // the same key of two laws
-      Node either;
-      either.set("anyOf", Node(Node::Array{std::move(twin->value), std::move(json)}));
-      json = std::move(either);
-    }
+    if (Node::Entry* twin = properties.find(info.key))  // the same key of two laws
+      json = either_schema(std::move(twin->value), std::move(json));
     properties.set(info.key, std::move(json));
   }
   Node json = typed("object");

@@ -44,6 +44,9 @@ KeyInfo choice_info(const std::string& key, const std::vector<std::string>& plan
 KeyInfo plain_info(const std::string& key, const std::string& type, const std::string& json_type,
                    const std::string& doc);
 KeyInfo table_info(const std::string& key, const std::string& doc, std::vector<KeyInfo> children, bool named);
+/// JSON Schema of one or the other, and of an array of such items.
+Node either_schema(Node one, Node other);
+Node array_schema(Node items);
 /// JSON Schema of a table with exactly these keys.
 Node object_schema(const std::vector<KeyInfo>& keys);
 /// How a default is written in a case file; nothing for values that are unset.

@@ -40,6 +40,11 @@ KeyInfo stage_info();
 /// what is written there and no defaults.
 void read_stages(Scope& root, Node::Entry& entry, Case& c);
 
+// reference_table.cpp
+KeyInfo references_info();
+/// Reads output.references, and the curves: those that cannot be drawn are errors, files that are not there warnings.
+std::vector<ReferenceCurve> read_references(Scope& scope, Node::Entry& entry);
+
 // run_table.cpp
 Table<Output> output_table();
 Table<Checkpoint> checkpoint_table();

@@ -60,6 +60,12 @@ constexpr std::array names = {
     Name{Unit::time, "ms", 1e-3},
     Name{Unit::time, "min", 60.0},
     Name{Unit::time, "h", 3600.0},
+    Name{Unit::minutes, "min", 1.0},
+    Name{Unit::minutes, "s", 1.0 / 60.0},
+    Name{Unit::minutes, "h", 60.0},
+    Name{Unit::rate, "1/s", 1.0},
+    Name{Unit::rate, "1/min", 1.0 / 60.0},
+    Name{Unit::rate, "1/h", 1.0 / 3600.0},
     Name{Unit::stress_per_length, "Pa/m", 1.0},
     Name{Unit::stress_per_length, "kPa/m", 1e3},
     Name{Unit::stress_per_length, "MPa/m", 1e6},
@@ -73,6 +79,10 @@ constexpr std::array names = {
     Name{Unit::viscosity, "kPa s", 1e3},
     Name{Unit::viscosity, "N s/m2", 1.0},
     Name{Unit::viscosity, "kg/(m s)", 1.0},
+    Name{Unit::area, "m2", 1.0},
+    Name{Unit::area, "dm2", 1e-2},
+    Name{Unit::area, "cm2", 1e-4},
+    Name{Unit::area, "mm2", 1e-6},
 };
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
@@ -93,11 +103,14 @@ std::string plain_unit(std::string_view text) {
   return unit;
 }
 
+std::string with_article(Unit unit) {
+  const std::string_view name = unit_name(unit);
+  return fmt::format("{} {}", name.find_first_of("ae") == 0 ? "an" : "a", name);
+}
+
 std::string example(Unit unit) {
   if (unit == Unit::none) return "a plain number is needed";
-  return fmt::format("{} {} is needed, such as \"1 {}\"",
-                     unit == Unit::acceleration || unit == Unit::angle || unit == Unit::energy_per_area ? "an" : "a",
-                     unit_name(unit), file_unit(unit));
+  return fmt::format("{} is needed, such as \"1 {}\"", with_article(unit), file_unit(unit));
 }
 
 Parsed failure(std::string text) { return {0.0, std::move(text)}; }
@@ -128,8 +141,14 @@ std::string_view unit_name(Unit unit) {
       return "stress per length";
     case Unit::time:
       return "time";
+    case Unit::minutes:
+      return "duration";
+    case Unit::rate:
+      return "rate";
     case Unit::viscosity:
       return "viscosity";
+    case Unit::area:
+      return "area";
   }
   return "quantity";
 }
@@ -151,6 +170,19 @@ std::string unit_list(Unit unit) {
   return list;
 }
 
+std::string unit_list(const std::vector<Unit>& units) {
+  std::string list;
+  for (const Unit unit : units) list += (list.empty() ? "" : ", ") + unit_list(unit);
+  return list;
+}
+
+std::optional<UnitMeaning> find_unit(std::string_view name) {
+  const std::string plain = plain_unit(name);
+  for (const Name& known : names)
+    if (plain_unit(known.text) == plain) return UnitMeaning{known.unit, known.factor};
+  return std::nullopt;
+}
+
 Parsed parse_quantity(std::string_view text, Unit unit) {
   const std::string_view whole = text;
   text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
@@ -169,9 +201,7 @@ Parsed parse_quantity(std::string_view text, Unit unit) {
     if (!other) other = &known;
   }
   if (other) {
-    const std::string_view article = unit_name(other->unit).find_first_of("ae") == 0 ? "an" : "a";
-    return failure(
-        fmt::format("\"{}\" has the unit of {} {}; {}", whole, article, unit_name(other->unit), example(unit)));
+    return failure(fmt::format("\"{}\" has the unit of {}; {}", whole, with_article(other->unit), example(unit)));
   }
   const std::string list = unit_list(unit);
   return failure(

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/parameter.hpp"
 
@@ -24,6 +25,15 @@ struct Parsed {
 };
 /// Reads "35.5 GPa" as a quantity of that dimension.
 Parsed parse_quantity(std::string_view text, Unit unit);
+
+/// What a unit by itself means, e.g. "kN". "min", "s" and "h" are times.
+struct UnitMeaning {
+  Unit unit;
+  double factor;  ///< SI value of one
+};
+std::optional<UnitMeaning> find_unit(std::string_view name);
+/// "N, kN, MN, Pa, ..." of several dimensions.
+std::string unit_list(const std::vector<Unit>& units);
 
 /// Remedy for a value that is legal and yet looks like a slip of unit ("did you mean ...?"), or "".
 std::string unit_doubt(std::string_view key, Unit unit, double value);

@@ -57,6 +57,13 @@ std::string body_json(const std::pair<const std::string, std::vector<std::vector
   return fmt::format("    {}: [{}]", quoted(body.first), listed(body.second, ", ", ring_json));
 }
 
+/// The name of a file alone where nothing is said about its columns.
+std::string reference_json(const ReferenceCurve& r) {
+  if (r.x.empty() && r.delimiter.empty() && r.label.empty()) return quoted(r.file);
+  return fmt::format("{{\"file\": {}, \"x\": {}, \"y\": {}, \"delimiter\": {}, \"label\": {}}}", quoted(r.file), quoted(r.x),
+                     quoted(r.y), quoted(r.delimiter), quoted(r.label));
+}
+
 std::string object(const std::string& content) { return content.empty() ? "{}" : "{\n" + content + "\n  }"; }
 
 }  // namespace
@@ -85,7 +92,7 @@ std::string summary_json(const Summary& s) {
   line("commit", quoted(s.origin.commit));
   line("host", quoted(s.origin.host));
   line("command", quoted(s.origin.command));
-  line("references", "[" + listed(s.references, ", ", quoted) + "]");
+  line("references", "[" + listed(s.references, ", ", reference_json) + "]");
   line("body_rings", object(listed(s.body_rings, ",\n", body_json)));
   const auto surface = [](const auto& body) { return fmt::format("    {}: {}", quoted(body.first), quoted(body.second)); };
   line("body_surfaces", object(listed(s.body_surfaces, ",\n", surface)));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/reference_curve.hpp"
 #include "base/tensor.hpp"
 
 namespace berm {
@@ -40,7 +41,7 @@ struct Summary {
   std::map<std::string, std::string> body_surfaces;     ///< in space: files of the surfaces by body, at the start
   /// Of rigid bodies: time [s] and displacement [m] at every frame.
   std::map<std::string, std::vector<std::array<double, 4>>> rigid_motion;
-  std::vector<std::string> references;                  ///< reference curves for the report, absolute paths
+  std::vector<ReferenceCurve> references;               ///< for the report
   std::vector<std::pair<std::string, double>> metrics;  ///< "peak_load [N]" and so on; NaN: not defined
 };
 

@@ -79,14 +79,25 @@ const char* type_of(const VtuField& field) {
   return types[field.values.index()];
 }
 
+/// Names of the components of vectors and symmetric tensors, which ParaView shows.
+std::string component_names(int components) {
+  static constexpr const char* vector[] = {"X", "Y", "Z"};
+  static constexpr const char* tensor[] = {"XX", "YY", "ZZ", "XY", "YZ", "XZ"};
+  std::string names;
+  if (components == 3 || components == 6)
+    for (int k = 0; k < components; ++k)
+      names += fmt::format(" ComponentName{}=\"{}\"", k, components == 3 ? vector[k] : tensor[k]);
+  return names;
+}
+
 /// The XML part and the appended binary part grow together: an array's header carries its offset into the latter.
 struct Document {
   std::string xml, appended;
 
   void array(std::string_view name, std::string_view type, int components, std::string_view raw) {
     xml += fmt::format(
-        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        type, xml_escape(name), components, appended.size());
+        "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{} format=\"appended\" offset=\"{}\"/>\n",
+        type, xml_escape(name), components, component_names(components), appended.size());
     append_compressed(appended, raw);
   }
 
@@ -171,8 +182,8 @@ void write_pvtu(const std::string& path, const VtuData& data, const std::vector<
   const auto fields = [&](std::string_view element, const std::vector<VtuField>& all) {
     xml += fmt::format("    <P{}>\n", element);
     for (const VtuField& field : all)
-      xml += fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", type_of(field),
-                         xml_escape(field.name), field.components);
+      xml += fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"{}/>\n", type_of(field),
+                         xml_escape(field.name), field.components, component_names(field.components));
     xml += fmt::format("    </P{}>\n", element);
   };
   fields("PointData", data.point_fields);

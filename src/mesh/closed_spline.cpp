@@ -22,7 +22,7 @@ Eigen::MatrixX2d second_derivatives(const std::vector<Vec2>& x, const std::vecto
   }
   A.makeCompressed();
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(A);  // diagonally dominant
-  if (lu.info() != Eigen::Success) throw InputError("shape: the points of the spline are too far apart");
+  if (lu.info() != Eigen::Success) throw InputError("the points of the spline are too far apart");
   return lu.solve(b);
 }
 

@@ -319,6 +319,8 @@ Mesh with_gmsh(const std::string& subject, const std::function<Mesh()>& work) {
     throw;
   } catch (const std::string& message) {  // Gmsh 4.8 throws strings
     throw failure(message);
+  } catch (const std::bad_alloc&) {
+    throw failure("there is no memory for it: its cells are too many, or a count in a file is wrong");
   } catch (const std::exception& error) {
     throw failure(error.what());
   }

@@ -1,15 +1,12 @@
-#include "mesh/msh_check.hpp"
-
 #include <fmt/format.h>
 
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <map>
-#include <unordered_set>
 #include <vector>
 
 #include "base/error.hpp"
+#include "mesh/msh_contents.hpp"
 
 namespace berm {
 
@@ -17,19 +14,10 @@ namespace {
 
 using Numbers = std::vector<long long>;
 
-/// Nodes of the element types that may occur: cells, lines and points (Gmsh manual, "MSH file format").
-const std::map<long long, std::size_t> nodes_of_type = {{1, 2}, {2, 3},   {3, 4},  {4, 4},  {5, 8},  {8, 3},
-                                                        {9, 6}, {11, 10}, {15, 1}, {16, 8}, {17, 20}};
-
-/// Those that users are most likely to bring along.
-const std::map<long long, const char*> unsupported = {
-    {6, "6-node prism"},      {7, "5-node pyramid"},   {10, "9-node quad"},        {12, "27-node hexahedron"},
-    {13, "18-node prism"},    {14, "14-node pyramid"}, {18, "15-node prism"},      {19, "13-node pyramid"},
-    {21, "10-node triangle"}, {26, "4-node line"},     {29, "20-node tetrahedron"}};
-
 class MshText {
 public:
-  explicit MshText(const std::string& path) : path_(path), file_(path) {}
+  explicit MshText(const std::string& path)
+      : path_(path), file_(path), contents_([this](const std::string& what) { fail(what); }) {}
 
   void check() {
     if (!next() || line_ != "$MeshFormat")
@@ -38,12 +26,12 @@ public:
     version_ = line_.substr(0, line_.find(' '));
     if (version_ != "2.2" && version_ != "4.1")
       fail(fmt::format("version {} of the .msh format is not supported (export it as 4.1 or 2.2)", version_));
-    if (line_.compare(version_.size(), 3, " 1 ") == 0) return;  // binary
+    if (line_.compare(version_.size(), 3, " 1 ") == 0) return check_binary_msh(path_, version_ == "2.2");
     while (next()) {
       if (line_ == "$Nodes") nodes();
       if (line_ == "$Elements") elements();
     }
-    if (nodes_.empty()) fail("has no nodes ($Nodes is missing or empty)");
+    if (!contents_.has_nodes()) fail("has no nodes ($Nodes is missing or empty)");
     if (!has_elements_) fail("has no plane cells and no volume cells ($Elements is missing)");
   }
 
@@ -93,10 +81,6 @@ private:
     if (line_ != section) fail(fmt::format("{} is expected here (the counts before are wrong)", section));
   }
 
-  void add_node(long long tag) {
-    if (!nodes_.insert(tag).second) fail(fmt::format("node {} exists already", tag));
-  }
-
   void nodes() {
     if (version_ == "2.2") {
       for (long long n = numbers(1)[0]; n > 0; --n) {
@@ -104,34 +88,25 @@ private:
         long long tag = 0;
         const auto [stop, error] = std::from_chars(line_.data(), line_.data() + line_.size(), tag);
         if (error != std::errc() || tag < 1 || *stop != ' ') fail("a node's number and coordinates are expected here");
-        add_node(tag);
+        contents_.add_node(tag);
       }
     } else {
       const Numbers head = numbers(4);
       for (long long b = 0; b < head[0]; ++b) {
         const long long n = numbers(4)[3];
-        for (long long i = 0; i < n; ++i) add_node(numbers(1)[0]);
+        for (long long i = 0; i < n; ++i) contents_.add_node(numbers(1)[0]);
         for (long long i = 0; i < n; ++i) need_line();
       }
-      if (nodes_.size() != static_cast<std::size_t>(head[1])) fail("the number of nodes is not the one announced");
-      for (long long tag : nodes_)
-        if (tag < head[2] || tag > head[3]) fail(fmt::format("node {} is outside of the range announced", tag));
+      contents_.check_nodes(static_cast<unsigned long long>(head[1]), head[2], head[3]);
     }
     end_of("$EndNodes");
   }
 
   /// Checks an element whose nodes are the numbers from `first` on.
   void element(long long type, const Numbers& values, std::size_t first) {
-    const auto known = nodes_of_type.find(type);
-    if (known == nodes_of_type.end()) {
-      const auto name = unsupported.find(type);
-      fail(fmt::format("element type {}{} is not supported ({})", type,
-                       name == unsupported.end() ? "" : fmt::format(" ({})", name->second), supported_elements));
-    }
-    if (values.size() != first + known->second)
-      fail(fmt::format("an element of type {} has {} nodes", type, known->second));
-    for (std::size_t i = first; i < values.size(); ++i)
-      if (!nodes_.count(values[i])) fail(fmt::format("the element uses node {}, which does not exist", values[i]));
+    const std::size_t nodes = contents_.nodes_of(type);
+    if (values.size() != first + nodes) fail(fmt::format("an element of type {} has {} nodes", type, nodes));
+    for (std::size_t i = first; i < values.size(); ++i) contents_.check_use(values[i]);
   }
 
   void elements() {
@@ -156,7 +131,7 @@ private:
   std::ifstream file_;
   std::string line_, version_;
   long long number_ = 0;
-  std::unordered_set<long long> nodes_;
+  MshContents contents_;
   bool has_elements_ = false;
 };
 

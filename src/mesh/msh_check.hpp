@@ -12,7 +12,9 @@ constexpr const char* supported_elements =
 
 /// Gmsh 4.8 trusts the counts and node numbers of a file and crashes if they are wrong. Throws InputError with file and
 /// line for text files (2.2 and 4.1) whose nodes or elements are incomplete, out of step with their counts, of an
-/// unsupported type, or refer to nodes that do not exist. Binary files are only checked for their header.
+/// unsupported type, or refer to nodes that do not exist. Binary files likewise, with the byte in the place of the line.
 void check_msh(const std::string& path);
+/// Of a file that is known to be binary; old: version 2.2.
+void check_binary_msh(const std::string& path, bool old);
 
 }  // namespace berm

@@ -72,11 +72,17 @@ std::vector<std::string> Recorder::columns() const {
 
 Vec3 Recorder::nominal_force() const {
   const Case& c = world_.spec;
-  const std::string& name = c.output.nominal.load;
-  if (const int b = index_of(c.bodies, name); b >= 0) return step_.balance().reactions.rigid[b];
-  if (const int b = index_of(c.boundaries, name); b >= 0) return step_.balance().reactions.boundary[b];
-  if (const int b = index_of(c.pressures, name); b >= 0) return step_.balance().pressure_force[b];
-  return Vec3::Zero();
+  const Balance& balance = step_.balance();
+  Vec3 sum = Vec3::Zero();
+  for (const std::string& name : c.output.nominal.load) {
+    if (const int b = index_of(c.bodies, name); b >= 0)
+      sum += balance.reactions.rigid[b];
+    else if (const int boundary = index_of(c.boundaries, name); boundary >= 0)
+      sum += balance.reactions.boundary[boundary];
+    else if (const int pressure = index_of(c.pressures, name); pressure >= 0)
+      sum += balance.pressure_force[pressure];
+  }
+  return sum;
 }
 
 double Recorder::nominal_displacement() const {

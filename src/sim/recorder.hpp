@@ -79,6 +79,7 @@ private:
   void write_row(const StepResult& result, Integration integration);
   void open_history();
   void append(const std::vector<double>& row);
+  std::vector<std::pair<std::string, double>> load_metrics() const;
   /// How good the stresses were at a load.
   struct Quality {
     double load, noise, error;  ///< noise: on process 0

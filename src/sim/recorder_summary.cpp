@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bc/case_lookup.hpp"
 #include "mesh/region.hpp"
 #include "sim/recorder.hpp"
 #include "transfer/mpm.hpp"
@@ -104,8 +105,10 @@ double Recorder::quality_at(double load, double Quality::*value) const {
   return nearest == quality_.end() ? std::nan("") : (*nearest).*value;
 }
 
-std::vector<std::pair<std::string, double>> Recorder::metrics() const {
+/// Of the nominal curve; none without a load.
+std::vector<std::pair<std::string, double>> Recorder::load_metrics() const {
   const Nominal& n = world_.spec.output.nominal;
+  if (n.load.empty()) return {};
   struct Point {
     double displacement, load;
   };
@@ -129,23 +132,30 @@ std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   };
   const double stiffness = 0.3 * load / n.area / ((at_load(0.4 * load) - at_load(0.1 * load)) / n.length);
 
-  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
-  const long lost = mpm ? mpm->points_made() - world_.n_points() : 0;
+  std::vector<std::pair<std::string, double>> list = {{"peak_load [N]", load}, {"peak_stress [Pa]", load / n.area}};
+  if (!n.displacement.empty()) {
+    list.emplace_back("displacement_at_peak [m]", curve[peak].displacement);
+    if (std::isfinite(stiffness)) list.emplace_back("stiffness_10_40 [Pa]", stiffness);
+  }
+  if (load > 0.0) {
+    list.emplace_back("stress_noise [-]", quality_at(0.5 * load, &Quality::noise));
+    list.emplace_back("stress_error [-]", quality_at(0.5 * load, &Quality::error));
+  }
+  return list;
+}
+
+/// What means nothing for a case is left out.
+std::vector<std::pair<std::string, double>> Recorder::metrics() const {
   const double stored = stored_energy(), dissipated = dissipated_energy();
-  std::vector<std::pair<std::string, double>> list = {
-      {"peak_load [N]", load},
-      {"peak_stress [Pa]", load / n.area},
-      {"displacement_at_peak [m]", curve[peak].displacement},
-      {"stiffness_10_40 [Pa]", stiffness},
-      {"stress_noise [-]", quality_at(0.5 * load, &Quality::noise)},
-      {"stress_error [-]", quality_at(0.5 * load, &Quality::error)},
-      {"energy_error [-]", energy_error(stored, dissipated)},
-      {"dissipated_energy [J]", dissipated},
-      {"max_damage [-]", world_.comm.max(world_.discretisation->material.max_damage())},
-      {"cut_steps [-]", double(cut_steps_)},
-      {"newton_iterations [-]", double(newton_iterations_)},
-      {"points_lost [-]", double(lost)}};
   const MaterialState& m = world_.discretisation->material;
+  std::vector<std::pair<std::string, double>> list = load_metrics();
+  list.emplace_back("energy_error [-]", energy_error(stored, dissipated));
+  list.emplace_back("dissipated_energy [J]", dissipated);
+  if (any_law(world_.spec, is_damage)) list.emplace_back("max_damage [-]", world_.comm.max(m.max_damage()));
+  list.emplace_back("cut_steps [-]", double(cut_steps_));
+  list.emplace_back("newton_iterations [-]", double(newton_iterations_));
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
+  list.emplace_back("points_lost [-]", double(mpm ? mpm->points_made() - world_.n_points() : 0));
   if (m.has_plasticity()) list.emplace_back("max_plastic_strain [-]", world_.comm.max(m.max_plastic_strain()));
   if (const double error = largest_extrapolation_error(); error > 0.0)
     list.emplace_back("extrapolation_error [-]", error);

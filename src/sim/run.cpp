@@ -84,7 +84,6 @@ public:
     try {
       do {
         while (!control_.finished(world_->time)) {
-          if (comm_.any(interrupted)) stop();
           advance();
           save_if_due();
         }
@@ -187,6 +186,7 @@ private:
   /// One accepted step: the step size is cut until the attempt converges.
   void advance() {
     for (;;) {
+      if (comm_.any(interrupted)) stop();
       const double dt = control_.next(world_->time);
       const Integration integration = control_.bridge > 0 ? Integration::impl_ex : solver().integration;
       const StepResult result = step_.attempt(dt, integration);

@@ -73,9 +73,23 @@ Mesh read_mesh(const Case& c, const std::string& file) {
   return mesh;
 }
 
+/// Calls f; what is wrong with a shape or a mesh names its body.
+template <class F>
+auto of_body(const Body& body, F f) {
+  try {
+    return f();
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("[body.{}]: {}", body.name, error.what()));
+  }
+}
+
+Region region_of(const Body& body, double cell_size) {
+  return of_body(body, [&] { return Region(*body.shape, cell_size); });
+}
+
 Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) {
   if (!body.mesh_file.empty()) return extract_group(read_mesh(c, body.mesh_file), body.mesh_group, body.mesh_file);
-  return mesh_shape(*body.shape, options);
+  return of_body(body, [&] { return mesh_shape(*body.shape, options); });
 }
 
 /// Surface points stand this many to a cell: enough for the ends of a loaded arc to count. In space each stands for an
@@ -90,7 +104,7 @@ BodySummary summary_of(const Body& body, double cell_size) {
   BodySummary summary;
   summary.name = body.name;
   summary.rigid = body.rigid;
-  if (body.rigid) summary.measure = Region(*body.shape, cell_size).measure();
+  if (body.rigid) summary.measure = region_of(body, cell_size).measure();
   return summary;
 }
 
@@ -202,17 +216,17 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   SeededPoints points;
   if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
     const Mesh mesh = body_mesh(c, body, body.points.mesh);
-    points = seed_from_mesh(mesh, body.points.per_element);
+    points = of_body(body, [&] { return seed_from_mesh(mesh, body.points.per_element); });
     summary.elements = mesh.n_cells();
     if (body.shape) {
-      const Region region(*body.shape, h);
+      const Region region = region_of(body, h);
       fit_to_cells(points, region, mpm.grid());
       add_surface_of_shape(c, index, region, spacing, surface);
     } else {
       add_surface_of_mesh(c, index, mesh, spacing, surface);
     }
   } else {
-    const Region region(*body.shape, h);
+    const Region region = region_of(body, h);
     PointSeeding seeding = body.points;
     if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
     points = seed_from_grid(region, boxes ? *boxes : mpm.grid(), seeding, body.name);

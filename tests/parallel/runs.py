@@ -911,8 +911,10 @@ class AnyNumberOfProcesses(Case):
             self.assert_agree(one, more, history, points, before)
             self.assert_complete(more, Run(one).summary["points"], Run(one).history["time"][-1])
             self.assertEqual(Run(more).summary["processes"], n)
-            error = Run(one).metric("stress_error")  # sums over patches that lie across processes
-            self.assertAlmostEqual(Run(more).metric("stress_error"), error, delta=10 * history * error)
+            error = Run(one).metric("stress_error")  # sums over patches that lie across processes; only with a nominal load
+            self.assertEqual(error is None, "nominal" not in TEXT[name])
+            if error is not None:
+                self.assertAlmostEqual(Run(more).metric("stress_error"), error, delta=10 * history * error)
 
     # Softening: IMPL-EX steps are linear, what they amplify is the difference of the start of damage; 1e-10 was seen.
     def test_cylinder_small_strain(self):

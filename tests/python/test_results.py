@@ -120,10 +120,41 @@ class Results(unittest.TestCase):
         np.testing.assert_allclose(curve.columns["nominal_strain"][-1], 2e-3)
 
     def test_reference_errors(self):
-        with self.assertRaisesRegex(ResultError, "two of the columns"):
+        with self.assertRaisesRegex(ResultError, 'one.csv:1: no column "nominal_strain".*there are "nominal_stress .Pa."'):
             Curve(self.write("one.csv", "nominal_stress [Pa]\n1\n"))
         with self.assertRaisesRegex(ResultError, 'unit "psi"'):
             Curve(self.write("psi.csv", "nominal_stress [psi],nominal_strain [-]\n1,2\n"))
+
+    def test_named_columns_of_a_testing_machine(self):
+        path = self.write("lab.csv", "")
+        with open(path, "wb") as file:  # Latin-1, a preamble, decimal commas, a gap
+            file.write("Prüfung 7\r\n\r\nZeit [s];Weg [µm];Kraft [kN]\r\n0;0,5;1,25\r\n1;;2\r\n2;2;3\r\n".encode("latin-1"))
+        curve = Curve({"file": path, "x": "Weg", "y": "Kraft [kN]", "label": "Lab"})
+        np.testing.assert_allclose(curve.columns["imposed_displacement"], [0.5e-6, 2e-6])
+        np.testing.assert_allclose(curve.columns["reaction"], [1250.0, 3000.0])
+        self.assertEqual(curve.label, "Lab")
+        over_time = Curve({"file": path, "x": "Zeit [s]", "y": "Kraft"})
+        np.testing.assert_allclose(over_time.columns["time"], [0.0, 1.0, 2.0])
+
+    def test_unit_of_a_column_without_one(self):
+        path = self.write("iso.csv", 'F / kN,"s, mm"\n1,"0,1"\n')
+        curve = Curve({"file": path, "x": "s, mm [mm]", "y": "F / kN [kN]"})
+        self.assertEqual((curve.columns["imposed_displacement"][0], curve.columns["reaction"][0]), (1e-4, 1e3))
+
+    def test_errors_of_named_columns(self):
+        names = {"x": "u [mm]", "y": "F [kN]"}
+        for text, words in (
+            ("u [mm],F [N]\n1,2\n", 'csv:1: no column "F .kN."; there are "u .mm.", "F .N."'),
+            ("u [mm],F [kN]\n1,2\n1,x\n", 'csv:3: "x" in column "F" is no number'),
+            ("u [mm],F [kN]\n0,1,0,2\n0,2,0,4\n", "csv:2: 4 cells, where the header has 2"),
+            ("u [mm];F [kN]\n0,1;0.2\n", "commas and decimal points"),
+            ("u [mm];F [kN]\n;1\n", "csv:1: no row"),
+            ("u [mm];F [kN]\n1\n1;1\n", "csv:2: 1 cells"),
+        ):
+            with self.subTest(text), self.assertRaisesRegex(ResultError, words):
+                Curve({"file": self.write("bad.csv", text), **names})
+        with self.assertRaisesRegex(ResultError, 'has the unit "kN"; x may have'):
+            Curve({"file": self.write("swapped.csv", "u [mm],F [kN]\n1,2\n"), "x": "F", "y": "u"})
 
 
 if __name__ == "__main__":

@@ -40,6 +40,8 @@ class WrittenFiles(unittest.TestCase):
         np.testing.assert_array_equal(points, [[0.1 * i, 1.0 / (i + 1), 0.0] for i in range(12)])
         displacement = array(grid.GetPointData(), "displacement")
         np.testing.assert_allclose(displacement.ravel(), [math.sin(i) for i in range(36)], rtol=1e-15)
+        names = [grid.GetPointData().GetArray("displacement").GetComponentName(k) for k in range(3)]
+        self.assertEqual(names, ["X", "Y", "Z"])
         body = array(grid.GetCellData(), "body")
         self.assertEqual(body.dtype.kind, "i")
         np.testing.assert_array_equal(body, [-7, 0, 2147483647])

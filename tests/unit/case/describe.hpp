@@ -98,13 +98,16 @@ inline std::string describe_run(const Case& c) {
   const Steps& t = c.steps;
   const Solver& s = c.solver;
   const Nominal& n = c.output.nominal;
+  std::string references;
+  for (const ReferenceCurve& r : c.output.references)
+    references += fmt::format(" {} {} {} {} {}", r.file, r.x, r.y, r.delimiter, r.label);
   return fmt::format(
       "control {} {} {}\nsteps {} {} {} {} {} {}\nsolver {} {} {} {} {} {} {} {} {} {}\noutput {} {} {}\n"
       "nominal {} {} {} {} {}\ncheckpoint {} {}\nparallel {}\n",
       int(c.control.kind), c.control.gauge, c.control.target, t.count, t.adaptive, t.min_fraction, t.max_fraction,
       t.error_tolerance, t.easy_iterations, int(s.integration), int(s.snap_back), s.relative_tolerance,
       s.absolute_tolerance, s.max_iterations, s.line_search, s.ghost_penalty.value_or(-1.0), int(s.linear), s.linear_tolerance,
-      s.petsc, c.output.vtk_every, c.output.frames, fmt::join(c.output.references, " "), n.load, n.displacement,
+      s.petsc, c.output.vtk_every, c.output.frames, references, fmt::join(n.load, " "), n.displacement,
       describe(n.direction), n.area, n.length, c.checkpoint.every_steps, c.checkpoint.every_minutes,
       c.parallel.rebalance);
 }

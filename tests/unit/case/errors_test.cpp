@@ -339,7 +339,7 @@ TEST_F(CaseErrors, numbersOfTheRun) {
   EXPECT_EQ(of("checkpoint.every_steps=-1"),
             "override \"checkpoint.every_steps=-1\": \"every_steps\" in [checkpoint] must be >= 0, is -1");
   EXPECT_EQ(of("checkpoint.every_minutes=-0.5"),
-            "override \"checkpoint.every_minutes=-0.5\": \"every_minutes\" in [checkpoint] must be >= 0, is -0.5");
+            "override \"checkpoint.every_minutes=-0.5\": \"every_minutes\" in [checkpoint] must be >= 0, is -0.5 min");
   EXPECT_EQ(of("solver.linear_tolerance=1"),
             "override \"solver.linear_tolerance=1\": \"linear_tolerance\" in [solver] must be 0 < value < 1, is 1");
   EXPECT_EQ(of("solver.linear=direkt"),

@@ -48,7 +48,7 @@ protected:
   int survivors(const std::string& seed_text, unsigned seed) {
     write("mesh/frame.msh", "");
     write("mesh/rock.stl", tetrahedron_stl);
-    write("curve.csv", "");
+    write("curve.csv", "nominal_strain [-],nominal_stress [Pa]\n0,0\n");
     std::mt19937 random(seed);
     int n = 0;
     for (int i = 0; i < n_mutants; ++i) {

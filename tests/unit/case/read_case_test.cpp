@@ -20,7 +20,7 @@ protected:
     CaseFiles::SetUp();
     write("mesh/frame.msh", "only its existence counts here");
     write("mesh/rock.stl", tetrahedron_stl);
-    write("curve.csv", "");
+    write("curve.csv", "nominal_strain [-],nominal_stress [Pa]\n0,0\n");
   }
 };
 
@@ -123,7 +123,7 @@ TEST_F(ReadCase, loadsAndOutput) {
   EXPECT_DOUBLE_EQ(c.control.target, 30e-6);
   EXPECT_EQ(c.solver.integration, Integration::impl_ex);
   EXPECT_EQ(c.output.nominal.direction, Vec3(0.6, 0.8, 0.0));
-  EXPECT_EQ(c.output.references, std::vector<std::string>{path("curve.csv")});
+  EXPECT_EQ(c.output.references, std::vector<ReferenceCurve>{{.file = path("curve.csv")}});
   EXPECT_EQ(c.output.probes[1].quantity, Quantity::displacement_y);
 }
 

@@ -37,6 +37,9 @@ TEST(Units, valuesInSi) {
   EXPECT_DOUBLE_EQ(value("180 deg", Unit::angle), std::numbers::pi);
   EXPECT_DOUBLE_EQ(value("90°", Unit::angle), std::numbers::pi / 2);
   EXPECT_DOUBLE_EQ(value("0.5 rad", Unit::angle), 0.5);
+  EXPECT_DOUBLE_EQ(value("100 cm²", Unit::area), 0.01);
+  EXPECT_DOUBLE_EQ(value("90 s", Unit::minutes), 1.5);
+  EXPECT_DOUBLE_EQ(value("6 1/min", Unit::rate), 0.1);
 }
 
 TEST(Units, stringsWithoutUnitAreLikeBareNumbers) {

@@ -24,7 +24,7 @@ TEST_F(SummaryFile, HoldsEverything) {
   s.axisymmetric = true;
   s.processes = 4;
   s.origin = {"0.1.0", "abc123", "here", "berm run 'a b.toml'"};
-  s.references = {"/a/b.csv", "/c.csv"};
+  s.references = {{.file = "/a/b.csv"}, {"/c.csv", "u [mm]", "F \"1\" [kN]", ";", ""}};
   s.body_rings["disc"] = {{Vec2(0, 0), Vec2(1, 0), Vec2(0.5, 2)}, {Vec2(0.25, 0.25)}};
   s.body_rings["top"] = {};
   s.body_surfaces = {{"ball", "surfaces/ball.vtu"}, {"a \"quoted\" one", "b.vtu"}};
@@ -51,7 +51,7 @@ TEST_F(SummaryFile, HoldsEverything) {
   "commit": "abc123",
   "host": "here",
   "command": "berm run 'a b.toml'",
-  "references": ["/a/b.csv", "/c.csv"],
+  "references": ["/a/b.csv", {"file": "/c.csv", "x": "u [mm]", "y": "F \"1\" [kN]", "delimiter": ";", "label": ""}],
   "body_rings": {
     "disc": [[[0, 0], [1, 0], [0.5, 2]], [[0.25, 0.25]]],
     "top": []
