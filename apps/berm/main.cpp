@@ -65,12 +65,14 @@ int guarded(const std::function<void()>& work) {
   }
 }
 
-/// What is wrong with a case that could be read has no line, but a file.
+/// What is wrong with a case that could be read may have no place: it names the file at least.
 void in_case(const std::string& file, const std::function<void()>& work) {
   try {
     work();
   } catch (const berm::InputError& error) {
-    throw berm::InputError(fmt::format("{}: {}", file, error.what()));
+    const std::string text = error.what();
+    if (text.find(file) != std::string::npos) throw;
+    throw berm::InputError(fmt::format("{}: {}", file, text));
   }
 }
 
