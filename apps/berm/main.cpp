@@ -121,11 +121,12 @@ int guarded(const std::function<int()>& work) {
     return fail(error.what(), exit_bad_input);
   } catch (const berm::RunError& error) {
     return fail(fmt::format("berm: {}", error.what()), exit_failed);
-  } catch (const std::bad_alloc&) {
-    return fail("berm: no memory left: take larger cells or fewer points (`berm check` estimates what a run needs)", exit_failed);
   } catch (const std::exception& error) {
-    if (alone) return fail(fmt::format("berm: {}", error.what()), exit_failed);
-    fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), error.what());
+    // The others know nothing of it.
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&error);
+    const char* text = memory ? "no memory left: take larger cells or fewer points (`berm check` estimates what a run needs)" : error.what();
+    if (alone) return fail(fmt::format("berm: {}", text), exit_failed);
+    fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), text);
     berm::Comm::world().abort(exit_failed);
   }
 }
