@@ -173,15 +173,16 @@ void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> plac
 }
 
 /// Pins, gauges and probes must lie in a deformable body.
-void check_places(const World& w, Findings& found) {
-  const Discretisation& d = *w.discretisation;
-  const std::vector<Vec3> points = d.point_positions();
-  const double reach = 1.5 * longest_edge(d.mesh());
-  auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
-    const bool near = w.comm.any(
-        std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; }));
+void check_places(const World& w, const BuiltBodies& built, Findings& found) {
+  const double reach = 1.5 * longest_edge(w.discretisation->mesh());
+  const auto is_near = [&](const Vec3& x) {
+    return std::any_of(built.places.begin(), built.places.end(), [&](const std::vector<Vec3>& places) {
+      return std::any_of(places.begin(), places.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; });
+    });
+  };
+  const auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
     found.look([&] {
-      if (!near) throw InputError(fmt::format("[{}.{}]: the point {} lies outside of every deformable body", kind, name, place_text(w.spec, x)));
+      if (!is_near(x)) throw InputError(fmt::format("[{}.{}]: the point {} lies outside of every deformable body", kind, name, place_text(w.spec, x)));
     });
   };
   for (const Pin& p : w.spec.pins) check("pin", p.name, p.at);
@@ -193,9 +194,9 @@ void check_places(const World& w, Findings& found) {
 }
 
 /// With what else is wrong, if anything is.
-void add_boundary(World& w, const std::vector<SurfacePoint>& surface, Findings& found) {
-  check_places(w, found);
-  found.look([&] { w.boundary = std::make_unique<BoundaryConditions>(w.spec, *w.discretisation, surface, w.joints); });
+void add_boundary(World& w, const BuiltBodies& built, Findings& found) {
+  check_places(w, built, found);
+  found.look([&] { w.boundary = std::make_unique<BoundaryConditions>(w.spec, *w.discretisation, built.surface, w.joints); });
   found.throw_if_any();
 }
 
@@ -270,7 +271,7 @@ void build_mpm(World& w, BuiltBodies& built) {
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
   found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
   w.discretisation = std::move(mpm);
-  add_boundary(w, surface, found);
+  add_boundary(w, built, found);
 }
 
 void build_fem(World& w, BuiltBodies& built) {
@@ -305,7 +306,7 @@ void build_fem(World& w, BuiltBodies& built) {
   found.look([&] { refuse_overlaps(c, built, fem->cell_size()); });
   w.joints = find_joints(c, surface, fem->cell_size());
   w.discretisation = std::move(fem);
-  add_boundary(w, surface, found);
+  add_boundary(w, built, found);
 }
 
 /// Names of the deformable bodies of a field, for a sentence.
