@@ -26,8 +26,9 @@ LEVELS = {
     "sim": 5,
     "case": 6,
 }
-# Single headers that stand lower than their module: case.hpp is the plain data that a case file becomes.
-HEADER_LEVELS = {"case/case.hpp": 2}
+# Single headers that stand lower than their module: case.hpp is the plain data that a case file becomes; the others tell where
+# it came from and what two of its texts say differently.
+HEADER_LEVELS = {"case/case.hpp": 2, "case/places.hpp": 3, "case/differences.hpp": 3}
 
 # The FEM reference must be able to disagree with MPM.
 FORBIDDEN = {"fem": ("points/", "transfer/", "shape/linear.hpp")}

@@ -184,7 +184,11 @@ struct CheckpointFile::Impl {
     if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("cannot read {}: {}", path, strerror(errno)));
     if (std::filesystem::is_directory(path)) throw InputError(fmt::format("cannot read {}: it is a folder", path));
     if (H5Fis_hdf5(path.c_str()) <= 0) fail_read("it is no HDF5 file");
-    if (const std::string broken = broken_seal(path); !broken.empty()) fail_read(broken);
+    try {
+      if (const std::string broken = broken_seal(path); !broken.empty()) fail_read(broken);
+    } catch (const std::system_error& error) {
+      throw InputError(fmt::format("cannot read {}: {}", path, error.code().message()));
+    }
     // Every process opens it with the plain driver: reading then needs no agreement on who reads what when.
     const Id access = properties(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -261,11 +265,16 @@ struct CheckpointFile::Impl {
   }
 
   void seal() const {
+    std::string words;
     try {
-      seal_file(draft());
+      words = seal_of(draft());
     } catch (const std::system_error& error) {
       fail_write(error.code().message());
     }
+    const Descriptor head(draft(), O_WRONLY | O_NOFOLLOW);
+    check_system(head);
+    check_system(::pwrite(head, words.data(), words.size(), 0));
+    check_system(::fsync(head));
   }
 
   void commit() {
@@ -283,7 +292,6 @@ struct CheckpointFile::Impl {
     });
     on_root([&] {
       seal();
-      check_system(::fsync(Descriptor(draft(), O_RDONLY)));
       check_system(std::rename(draft().c_str(), path.c_str()));
       sync_folder(path);
     });

@@ -8,8 +8,8 @@ namespace berm {
 /// Bytes that the seal takes: the smallest user block that HDF5 leaves at the beginning of its files.
 constexpr int seal_size = 512;
 
-/// Writes the seal over the first bytes of a file that is complete otherwise. Throws std::system_error.
-void seal_file(const std::string& path);
+/// What belongs into the first bytes of a file that is complete otherwise. Throws std::system_error.
+std::string seal_of(const std::string& path);
 /// What is wrong with the seal of a file, or nothing. Throws std::system_error.
 std::string broken_seal(const std::string& path);
 

@@ -11,6 +11,7 @@
 
 #include "bc/case_lookup.hpp"
 #include "fem/fem.hpp"
+#include "io/log.hpp"
 #include "la/newton.hpp"
 #include "law/kinds.hpp"
 #include "sim/advice.hpp"
@@ -20,15 +21,22 @@
 namespace berm {
 namespace {
 
-/// Bytes of the factors of a direct solver: nested dissection leaves about 31/2 n log2 n entries in the plane (George
-/// 1973) and about 8 n^(4/3) in space. With multigrid the matrix and its coarse levels count, about 1.6 of it.
+/// Bytes of the linear solver. Nested dissection leaves about 31/2 n log2 n entries in the factors in the plane (George 1973) and
+/// some n^(4/3) in space; what MUMPS works in comes to it. With multigrid: the matrix and its coarse levels. Factors measured on
+/// nine examples, to a tenth (bench/README.md).
 double solver_bytes(const World& w, long unknowns) {
   const double n = std::max(2L, unknowns);
-  if (w.spec.dimension() == 2) return 31.0 / 2.0 * n * std::log2(n) * 8.0;
+  if (w.spec.dimension() == 2) return 1.5 * 31.0 / 2.0 * n * std::log2(n) * sizeof(double);
   using Linear = Solver::Linear;
   const Linear wish = w.spec.solver.linear;
-  const bool direct = wish == Linear::direct || wish == Linear::distributed || n <= largest_direct_in_space;
-  return direct ? 8.0 * std::pow(n, 4.0 / 3.0) * 8.0 : 1.6 * 81.0 * n * 12.0;
+  const bool direct = wish == Linear::direct || wish == Linear::distributed || (wish == Linear::automatic && n <= largest_direct_in_space);
+  return direct ? 870.0 * std::pow(n, 4.0 / 3.0) : n * (w.spec.method == Method::mpm ? 4000.0 : 3000.0);
+}
+
+/// Of all processes together.
+double memory_bytes(const World& w, long points, long unknowns) {
+  constexpr double program = 88e6, per_point = 1500.0;
+  return w.comm.size() * (program + grid_bytes(w.spec)) + points * per_point + solver_bytes(w, unknowns);
 }
 
 const char* space_text(Space space) {
@@ -42,6 +50,24 @@ const char* space_text(Space space) {
     default:
       return "three-dimensional";
   }
+}
+
+/// Seconds of one solution of a linear system on one process, measured like the memory.
+double solver_seconds(const World& w, double n) {
+  if (w.spec.dimension() == 2) return 1.6e-7 * n * std::log2(std::max(2.0, n));
+  return n <= largest_direct_in_space ? 4e-9 * n * n : 11e-6 * n;
+}
+
+/// A guess: every step as the case says, none cut, none added.
+double run_seconds(const World& w, long points, long unknowns) {
+  constexpr double per_point = 3e-6;  // laws and assembly, an iteration
+  const bool linear = w.spec.kinematics == Kinematics::small && !any_law(w.spec, [](const AnyLaw& law) { return !std::holds_alternative<LinearElastic>(law); });
+  double seconds = 0.0;
+  for (const Stage& s : w.spec.stages) {
+    const double iterations = linear ? 1.0 : s.solver.integration == Integration::impl_ex ? 1.5 : 4.0;
+    seconds += s.steps.count * iterations * (per_point * points / w.comm.size() + solver_seconds(w, unknowns));
+  }
+  return seconds;
 }
 
 std::string vector_text(const Vec3& v, int dimension) {
@@ -160,7 +186,8 @@ std::string describe(const World& w) {
   if (w.comm.size() > 1)
     line(fmt::format("  processes         {}, the most loaded has {:.2f} times the mean", w.comm.size(),
                      d.most_loaded()));
-  line(fmt::format("  memory, estimated {:.0f} MB", (solver_bytes(w, unknowns) + points * 1000.0 + grid_bytes(w.spec)) / 1e6 + 60.0));
+  line(fmt::format("  memory, estimated {:.0f} MB", memory_bytes(w, points, unknowns) / 1e6));
+  line("  time, estimated   " + duration_text(run_seconds(w, points, unknowns)) + ", if no step is cut");
   const std::vector<Held> held = held_by_boundaries(w);
   for (std::size_t b = 0; b < held.size(); ++b)
     line(fmt::format("  boundary {:<8} holds {}", w.spec.boundaries[b].name, held_text(w, held[b])));

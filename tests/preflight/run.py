@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Models that are wrong, and what `berm check` says of them: all of it, each with its place in the file.
+
+    run.py BERM [NAMES ...]
+
+Every entry is a case and, for every fault in it, words that one line must contain together with the line of the table that is at fault. Where the case
+may run all the same, the words begin with "warning: ". Exits with 1 if one is missing.
+"""
+
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "messages"))
+from run import BASE, BLOCK, CUBE, ELASTIC, FEM, FEW, GRID, PLATE, TOP  # noqa: E402
+
+PARTS = ('[body.a]\nmaterial = "m"\nshape.union = [ { box = { min = [0.0, 0.0], max = [0.4, 1.0] } }, '
+         '{ box = { min = [1.0, 0.0], max = [1.4, 1.0] } } ]\nmesh = { kind = "quads", size = 0.1, structured = true }\n')
+LEFT_BASE = BASE.replace("{ max = [9.0, 1e-6] }", "{ max = [0.45, 1e-6] }")
+ROLLERS = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"
+UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").replace("[1.0, 1.0]", "[1.0, 2.0]")
+SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
+ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
+PIN = '[pin.NAME]\nbody = "a"\nat = AT\nfix = "xy"\n'
+GAUGE = "[gauge.NAME]\nfrom = [0.5, 0.2]\nto = TO\n"
+PROBE = '[probe.NAME]\nat = AT\nquantity = "stress_yy"\n'
+PRESSURE = '[pressure.NAME]\nbody = "a"\nwhere.box.min = MIN\nvalue = "VALUE"\n'
+FREE = "nothing holds it there"
+
+# name: (case, [(table at fault, words), ...])
+MODELS = {
+    "one of two parts held": (GRID + ELASTIC + PARTS + LEFT_BASE + FEW, [("body.a", "(1 of its 2 parts that are not connected)")]),
+    "one of two parts held, fem": (FEM + ELASTIC + PARTS + LEFT_BASE + FEW, [("body.a", "(1 of its 2 parts that are not connected)")]),
+    "two parts on rollers": (GRID + ELASTIC + PARTS + ROLLERS + FEW, [("body.a", "can move along x")]),
+    "on rollers, fem": (FEM + ELASTIC + BLOCK + ROLLERS + FEW, [("body.a", "can move along x: " + FREE)]),
+    "slides on a smooth block": (GRID + ELASTIC + BLOCK + UPON + SMOOTH + BASE + FEW, [("body.b", "can move along x: " + FREE)]),
+    "slides on a smooth plate": (GRID + ELASTIC + BLOCK + PLATE + ON_PLATE.replace("KIND", "frictionless") + FEW, [("body.a", "can move along x: " + FREE)]),
+    "two free bodies": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[0.4, 1.0]") + BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.7, 0.0]") + FEW,
+                        [("body.a", "can move along x, y and turn"), ("body.b", "can move along x, y and turn")]),
+    "cube on one pin": (CUBE + ELASTIC + '[pin.p]\nbody = "a"\nat = [0.0, 0.0, 0.0]\nfix = "xyz"\n' + FEW, [("body.a", "can turn")]),
+    "hinged in two places of one line": (CUBE + ELASTIC + '[pin.p]\nbody = "a"\nat = [0.0, 0.0, 0.0]\nfix = "xyz"\n[pin.q]\nbody = "a"\nat = [0.4, 0.0, 0.0]\nfix = "yz"\n' + FEW,
+                                         [("body.a", "can turn")]),
+    "a plate that touches nothing": (GRID + ELASTIC + BLOCK + BASE + PLATE + FEW, [("body.plate", "warning: ")]),
+    "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
+                               + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
+                               [("pin.p", "(1.7, 1.7)"), ("gauge.g", "(1.8, 0.2)"), ("probe.q", "(1.9, 1.9)")]),
+    "places beside the body, fem": (FEM + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
+                                    [("pin.p", "(1.7, 1.7)"), ("probe.q", "(1.9, 1.9)")]),
+    "loads and supports that catch nothing": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "0.93").replace("1.0001", "0.95") + PRESSURE.replace("NAME", "p").replace("MIN", "[1.3, 0.0]").replace("VALUE", "1 MPa")
+                                              + PRESSURE.replace("NAME", "q").replace("MIN", "[0.0, 1.3]").replace("VALUE", "1 MPa") + FEW,
+                                              [("boundary.top", "catches no node"), ("pressure.p", "catches no part"), ("pressure.q", "catches no part")]),
+    "loads that catch nothing, fem": (FEM + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "0.93").replace("1.0001", "0.95") + PRESSURE.replace("NAME", "p").replace("MIN", "[1.3, 0.0]").replace("VALUE", "1 MPa") + FEW,
+                                      [("boundary.top", "catches no node"), ("pressure.p", "catches no part")]),
+    "held surface that is none": (GRID + ELASTIC + BLOCK + BASE + '[boundary.side]\nbody = "a"\nwhere.box.min = [1.2, 0.0]\nux = 0.0\n' + FEW, [("boundary.side", "catches no part")]),
+    "absorbing where there is nothing": (GRID + ELASTIC + BLOCK + BASE + '[absorbing.w]\nbody = "a"\nwhere.box.min = [1.2, 0.0]\n[steps]\nanalysis = "dynamic"\nduration = 0.01\ncount = 2\n',
+                                         [("absorbing.w", "catches no part")]),
+    "tie that does not touch, and a load beside": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("1.0]", "1.3]").replace("1.4]", "1.6]") + ON_PLATE.replace("KIND", "tie")
+                                                   + PRESSURE.replace("NAME", "p").replace("MIN", "[1.3, 0.0]").replace("VALUE", "1 MPa") + FEW,
+                                                   [("contact.c", "do not touch"), ("pressure.p", "catches no part")]),
+    "two bodies outside of the grid": (GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[-0.5, 0.0]") + BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[1.5, 0.0]").replace("[1.0, 1.0]", "[3.0, 1.0]") + BASE + FEW,
+                                       [("body.a", "make the grid larger"), ("body.b", "make the grid larger")]),
+    "shapes without a content": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[0.0, 1.0]") + '[body.b]\nmaterial = "m"\nshape.disc = { centre = [0.5, 0.5], radius = 0.0 }\n' + BASE + FEW,
+                                 [("body.a", "empty"), ("body.b", "radius")]),
+    "pascals": (GRID + ELASTIC.replace("1e7", "35.5") + BLOCK + BASE + FEW, [("material.m", "warning: youngs_modulus = 35.5")]),
+    "tonnes": (GRID + ELASTIC.replace("1000.0", "2.4") + BLOCK + BASE + FEW, [("material.m", "warning: density = 2.4")]),
+    "millimetres": (GRID.replace("-0.2", "-200.0").replace("0.1", "100.0") + ELASTIC + BLOCK.replace("1.0", "2000.0") + BASE.replace("9.0", "9000.0") + FEW, [("body.a", "warning: ")]),
+    "a small pressure": (GRID + ELASTIC + BLOCK + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace('"VALUE"', "2.5") + FEW, [("pressure.p", "warning: value = 2.5")]),
+    "friction in degrees": (GRID + ELASTIC + BLOCK + BASE + PLATE + '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "friction"\nfriction = 30.0\n' + FEW, [("contact.c", "warning: friction = 30")]),
+    "gravity in millimetres": ("model.gravity = [0.0, -9810.0]\n" + GRID + ELASTIC + BLOCK + BASE + FEW, [("", "warning: gravity")]),
+    "different displacements of one node": (GRID + ELASTIC + BLOCK + BASE + BASE.replace("base", "again").replace("uy = 0.0", "uy = 0.001") + FEW, [("boundary.base", "prescribe different displacements")]),
+    "different displacements of one surface": (GRID + ELASTIC + BLOCK + '[boundary.s]\nbody = "a"\nwhere.box = { max = [9.0, 1e-6] }\nux = 0.0\nuy = 0.0\n[boundary.t]\nbody = "a"\nwhere.box = { max = [0.5, 1e-6] }\nuy = 0.001\n' + FEW,
+                                               [("boundary.t", "prescribe different displacements")]),
+    "overlap and a probe beside": (GRID + ELASTIC + BLOCK + BLOCK.replace("body.a", "body.b") + BASE + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
+                                   [("body.a", "overlap: 1 m2"), ("probe.q", "(1.9, 1.9)")]),
+    "hangs on nodes, and another body is free": (GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.0, 0.05]") + BASE + FEW, [("boundary.base", "would hang on them")]),
+    "plate in a plate's way": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("[-0.1, 1.0]", "[-0.1, 0.5]") + ON_PLATE.replace("KIND", "frictionless") + FEW, [("contact.c", "0.5 m2")]),
+}
+
+
+def line_of(text, table):
+    """Of a table's head; 0: any."""
+    for number, line in enumerate(text.split("\n"), 1):
+        if table and line.strip() == f"[{table}]":
+            return number
+    return 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Models that are wrong.")
+    parser.add_argument("berm", metavar="BERM")
+    parser.add_argument("names", nargs="*")
+    options = parser.parse_args()
+    wrong = 0
+    for name, (text, faults) in MODELS.items():
+        if options.names and name not in options.names:
+            continue
+        with tempfile.TemporaryDirectory() as scratch:
+            path = pathlib.Path(scratch) / "case.toml"
+            path.write_text(text, encoding="utf-8")
+            done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
+        said = done.stdout + done.stderr
+        missing = []
+        for table, words in faults:
+            warns, words = words.startswith("warning: "), words.removeprefix("warning: ")
+            # Keys of a table stand below its head: a place in it is as good as that of the head.
+            begin = line_of(text, table)
+            hits = [line for line in said.split("\n") if words in line and (not warns or "warning" in line)]
+            places = [int(m.group(1)) for line in hits if (m := re.search(r"case\.toml:(\d+):", line))]
+            end = next((k for k, line in enumerate(text.split("\n"), 1) if k > begin and line.startswith("[")), 10**6)
+            if not any(begin <= p < end for p in places):
+                missing.append(f"[{table}] {words}")
+            if (done.returncode == 0) != warns:
+                missing.append(f"exit code {done.returncode}")
+        wrong += bool(missing)
+        print(f"{'BAD' if missing else 'ok '} {name}" + (f": missing {missing}; said\n{said.strip()[-1500:]}" if missing else ""), flush=True)
+    print(f"{wrong} wrong")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
