@@ -110,9 +110,9 @@ int refuse_command(const CLI::App& app, int argc, char** argv) {
 
 /// Errors are the same on all processes, or else the one that has it ends them all.
 int guarded(const std::function<int()>& work) {
-  const bool alone = ranks_of_launcher() == 1;
+  const auto alone = [] { return berm::Comm::world().size() == 1; };  // not before the work has begun
   const auto fail = [&](const std::string& text, int code) {
-    if (alone || berm::Comm::world().is_root()) fmt::print(stderr, "{}\n", text);
+    if (berm::Comm::world().is_root()) fmt::print(stderr, "{}\n", text);
     return code;
   };
   try {
@@ -125,7 +125,7 @@ int guarded(const std::function<int()>& work) {
     // The others know nothing of it.
     const bool memory = dynamic_cast<const std::bad_alloc*>(&error);
     const char* text = memory ? "no memory left: take larger cells or fewer points (`berm check` estimates what a run needs)" : error.what();
-    if (alone) return fail(fmt::format("berm: {}", text), exit_failed);
+    if (alone()) return fail(fmt::format("berm: {}", text), exit_failed);
     fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), text);
     berm::Comm::world().abort(exit_failed);
   }

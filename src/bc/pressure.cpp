@@ -94,14 +94,16 @@ void BoundaryConditions::add_pressure_matrix(const PressurePoint& point, double 
 std::vector<BoundaryConditions::LoadSum> BoundaryConditions::load_sums(double time, const NodalVector& du) const {
   constexpr int width = 8;
   std::vector<double> rows(width * case_.pressures.size(), 0.0);
-  for (const PressurePoint& point : pressures_) {
-    const PressureForce p = pressure_force(point, time, du);
-    const Vec3 force = p.value * p.area, moment = p.place.cross(force);
-    double* row = &rows[width * point.load];
-    row[0] += 1.0;
-    row[1] += point.area.norm();
-    for (int i = 0; i < 3; ++i) row[2 + i] += force[i], row[5 + i] += moment[i];
-  }
+  comm_.agree([&] {
+    for (const PressurePoint& point : pressures_) {
+      const PressureForce p = pressure_force(point, time, du);
+      const Vec3 force = p.value * p.area, moment = p.place.cross(force);
+      double* row = &rows[width * point.load];
+      row[0] += 1.0;
+      row[1] += point.area.norm();
+      for (int i = 0; i < 3; ++i) row[2 + i] += force[i], row[5 + i] += moment[i];
+    }
+  });
   comm_.sum(rows);
   std::vector<LoadSum> sums;
   for (std::size_t k = 0; k < rows.size(); k += width)

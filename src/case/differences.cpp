@@ -1,6 +1,7 @@
 #include "case/differences.hpp"
 
-#include <algorithm>
+#include <cstdlib>
+#include <map>
 #include <regex>
 #include <utility>
 
@@ -30,9 +31,12 @@ Values values_of(const std::string& resolved) {
   return values;
 }
 
-const std::string* find(const Values& values, const std::string& key) {
-  const auto found = std::find_if(values.begin(), values.end(), [&](const auto& v) { return v.first == key; });
-  return found == values.end() ? nullptr : &found->second;
+/// Texts of numbers may differ and mean the same: 0 and 0.0.
+bool same(const std::string& a, const std::string& b) {
+  if (a == b) return true;
+  char *end_a = nullptr, *end_b = nullptr;
+  const double x = std::strtod(a.c_str(), &end_a), y = std::strtod(b.c_str(), &end_b);
+  return end_a != a.c_str() && *end_a == 0 && end_b != b.c_str() && *end_b == 0 && x == y;
 }
 
 }  // namespace
@@ -40,20 +44,22 @@ const std::string* find(const Values& values, const std::string& key) {
 bool Difference::of_the_model() const {
   // A file may lie elsewhere now; how many points come of it is looked at too.
   static const std::regex fixed(R"(method|model\.(?!gravity|title|allow_glued).*|grid(\.(?!file).*|\[.*)?)"
-                                R"(|body\.[^.]+\.(shape(?!.*\.file).*|mesh(?!\.file).*|points.*|material|rigid)|material\.[^.]+\.law)"
+                                R"(|body\.[^.]+\.(shape(?!.*\.(file|surface)).*|mesh(?!\.file).*|points.*|material|rigid)|material\.[^.]+\.law)"
                                 R"(|(boundary|pin|contact|pressure|absorbing|gauge)\.[^.]+\.(body|rigid|other|kind|at|from|to|where.*))");
   return std::regex_match(key, fixed);
 }
 
 std::vector<Difference> differences(const std::string& before, const std::string& now) {
   const Values old_values = values_of(before), new_values = values_of(now);
+  const std::map<std::string, std::string> old_by_key(old_values.begin(), old_values.end()), new_by_key(new_values.begin(), new_values.end());
   std::vector<Difference> found;
   for (const auto& [key, value] : new_values) {
-    const std::string* other = find(old_values, key);
-    if (!other || *other != value) found.push_back({key, other ? *other : "absent", value});
+    const auto other = old_by_key.find(key);
+    const bool there = other != old_by_key.end();
+    if (!there || !same(other->second, value)) found.push_back({key, there ? other->second : "absent", value});
   }
   for (const auto& [key, value] : old_values)
-    if (!find(new_values, key)) found.push_back({key, value, "absent"});
+    if (!new_by_key.contains(key)) found.push_back({key, value, "absent"});
   return found;
 }
 

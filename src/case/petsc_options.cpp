@@ -16,7 +16,7 @@ namespace {
 constexpr std::array prefixes = {"ksp_", "pc_",         "mat_",       "snes_",      "mg_",       "sub_",
                                  "esteig_", "fieldsplit_", "redundant_", "telescope_", "fallback_", "newton_"};
 /// Parts of names whose value is a file, a folder or a program.
-constexpr std::array writing_names = {"file", "tmpdir", "ooc_", "python", "shell", "saws", "socket", "draw"};
+constexpr std::array writing_names = {"file", "dump", "tmpdir", "ooc_", "python", "shell", "saws", "socket", "draw"};
 /// Kinds of viewer that need no ":FILE" to write one, or to open a window or a connection.
 constexpr std::array writing_values = {"binary", "draw", "socket", "matlab", "hdf5", "glvis", "vtk", "saws", "python", "string"};
 
@@ -56,6 +56,8 @@ std::string problem_of_value(const std::string& name, const std::string& word) {
 }  // namespace
 
 std::string problem_of_petsc(const std::string& options, bool files) {
+  // PETSc takes quotes away from words, and what follows #.
+  if (!files && options.find_first_of("\"#") != options.npos) return fmt::format("quotes and # hide options from this check{}", how);
   std::istringstream words(options);
   std::string word, name, problem;
   while (problem.empty() && words >> word) {

@@ -1,5 +1,6 @@
 #include "case/places.hpp"
 
+#include <algorithm>
 #include <regex>
 
 #include "base/error.hpp"
@@ -9,8 +10,9 @@ namespace {
 
 /// The table that a line names first and that the case has, as "pin.left"; empty if none.
 std::string named_table(const Case& c, const std::string& line) {
+  constexpr std::size_t most = 2000;  // std::regex goes deeper with every character
   static const std::regex names(R"re(\[([a-z_]+\.[A-Za-z0-9_-]+)[\].]|\b(body|bodies|gauge|material) "([^"]+)")re");
-  for (std::sregex_iterator m(line.begin(), line.end(), names), end; m != end; ++m) {
+  for (std::sregex_iterator m(line.begin(), line.begin() + std::min(line.size(), most), names), end; m != end; ++m) {
     const std::string kind = (*m)[2] == "bodies" ? "body" : (*m)[2].str();
     const std::string table = (*m)[1].matched ? (*m)[1].str() : kind + "." + (*m)[3].str();
     if (c.places.contains(table)) return table;
@@ -20,8 +22,9 @@ std::string named_table(const Case& c, const std::string& line) {
 
 /// "mesh.msh:12: ...", "out/a/checkpoint.h5: ..."
 bool names_file(const std::string& line) {
-  static const std::regex file(R"(\S+\.[A-Za-z0-9]+(:\d+)*:? .*)");
-  return std::regex_match(line, file);
+  static const std::regex file(R"([^\s]*[A-Za-z][^\s]*\.[A-Za-z][A-Za-z0-9]*(:\d+)*:?)");
+  const std::string word = line.substr(0, line.find(' '));
+  return word.size() < 1000 && std::regex_match(word, file);
 }
 
 }  // namespace

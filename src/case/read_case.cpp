@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "case/defaults.hpp"
+#include "case/doubts.hpp"
 #include "case/load.hpp"
 #include "case/tables.hpp"
 
@@ -69,6 +70,7 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   if (problems.empty()) choose_defaults(c, root);  // else the tree may hold anything
   check_case(c, root, problems, options.allow_petsc_files);
   problems.throw_if_any(path);
+  doubt_case(c, root, problems);
   set_ends(c);
   remember_places(root, c);
   if (const Node::Entry* solver = root.find("solver"))

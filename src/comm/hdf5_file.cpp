@@ -180,15 +180,19 @@ struct CheckpointFile::Impl {
     });
   }
 
-  void open() {
-    if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("cannot read {}: {}", path, strerror(errno)));
-    if (std::filesystem::is_directory(path)) throw InputError(fmt::format("cannot read {}: it is a folder", path));
-    if (H5Fis_hdf5(path.c_str()) <= 0) fail_read("it is no HDF5 file");
+  void check_seal() const {
     try {
       if (const std::string broken = broken_seal(path); !broken.empty()) fail_read(broken);
     } catch (const std::system_error& error) {
       throw InputError(fmt::format("cannot read {}: {}", path, error.code().message()));
     }
+  }
+
+  void open() {
+    if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("cannot read {}: {}", path, strerror(errno)));
+    if (std::filesystem::is_directory(path)) throw InputError(fmt::format("cannot read {}: it is a folder", path));
+    if (H5Fis_hdf5(path.c_str()) <= 0) fail_read("it is no HDF5 file");
+    if (comm.is_root()) check_seal();
     // Every process opens it with the plain driver: reading then needs no agreement on who reads what when.
     const Id access = properties(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -269,7 +273,7 @@ struct CheckpointFile::Impl {
     try {
       words = seal_of(draft());
     } catch (const std::system_error& error) {
-      fail_write(error.code().message());
+      fail_write(system_reason(error.code().value()));
     }
     const Descriptor head(draft(), O_WRONLY | O_NOFOLLOW);
     check_system(head);

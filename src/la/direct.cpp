@@ -55,10 +55,14 @@ bool DirectSolver::solve_gathered(Vec b, Vec x) {
   }
   VecScatterBegin(to_first_, b, b_, INSERT_VALUES, SCATTER_FORWARD);
   VecScatterEnd(to_first_, b, b_, INSERT_VALUES, SCATTER_FORWARD);
-  const bool solved = comm_.broadcast(int(!comm_.is_root() || solve_here(gathered_[0], b_, x_))) != 0;
+  int solved = 0;
+  comm_.agree([&] {
+    if (comm_.is_root()) solved = solve_here(gathered_[0], b_, x_);
+  });
+  solved = comm_.broadcast(solved);
   VecScatterBegin(to_first_, x_, x, INSERT_VALUES, SCATTER_REVERSE);
   VecScatterEnd(to_first_, x_, x, INSERT_VALUES, SCATTER_REVERSE);
-  return solved;
+  return solved != 0;
 }
 
 bool DirectSolver::run(Mat matrix, Vec b, Vec x) {
@@ -72,14 +76,14 @@ bool DirectSolver::run(Mat matrix, Vec b, Vec x) {
   return reason > 0;
 }
 
-/// MUMPS guesses its work space before it pivots: INFO(1) = -8, -9 say that it was too small, by how much nobody knows.
+/// MUMPS guesses its work space before it pivots: INFOG(1) = -8, -9 say that it was too small, by how much nobody knows.
 bool DirectSolver::ran_out_of_space() const {
   PC pc;
   Mat factors = nullptr;
   PetscInt info = 0;
   KSPGetPC(ksp_, &pc);
   if (PCFactorGetMatrix(pc, &factors) != 0 || !factors) return false;
-  MatMumpsGetInfo(factors, 1, &info);
+  MatMumpsGetInfog(factors, 1, &info);  // of all its processes
   return info == -8 || info == -9;
 }
 

@@ -51,10 +51,11 @@ void LinearSolver::choose(const SystemLayout& layout) {
                        : fmt::format("MUMPS{}, {} ({}{})", where, factors, size, why);
 }
 
+/// A system that is large enough for multigrid is too large for one process.
 void LinearSolver::make_direct(std::optional<DirectSolver>& solver, const char* prefix) {
-  const bool spread = options_.linear == Solver::Linear::distributed;
-  solver.emplace(matrix_, symmetric_, prefix, comm_, spread ? DirectSolver::Where::all_processes : DirectSolver::Where::first_process,
-                 work_space_);
+  using Where = DirectSolver::Where;
+  const bool spread = options_.linear == Solver::Linear::distributed || iterative_;
+  solver.emplace(matrix_, symmetric_, prefix, comm_, spread ? Where::all_processes : Where::first_process, work_space_);
 }
 
 void LinearSolver::make_iterative() {

@@ -61,16 +61,17 @@ void start_petsc(const std::string& options) {
 }
 
 std::vector<std::string> take_back_options(const std::string& options) {
-  std::vector<std::string> unused;
+  std::vector<std::string> unused, names;
   std::istringstream words(options);
   for (std::string word; words >> word;) {
     PetscBool is_name = PETSC_FALSE, used = PETSC_FALSE;
     PetscOptionsValidKey(word.c_str(), &is_name);
     if (!is_name) continue;
     PetscOptionsUsed(nullptr, word.c_str() + 1, &used);  // it keeps names without their dash
+    names.push_back(word);
     if (!used) unused.push_back(word);
-    PetscOptionsClearValue(nullptr, word.c_str());
   }
+  for (const std::string& name : names) PetscOptionsClearValue(nullptr, name.c_str());
   return unused;
 }
 
@@ -202,11 +203,17 @@ struct NewtonSolver::Impl {
   static PetscErrorCode apply(PC pc, Vec b, Vec x) {
     void* context;
     PCShellGetContext(pc, &context);
-    if (!static_cast<Impl*>(context)->linear.solve(b, x)) {
-      VecSet(x, 0.0);
-      PCSetFailedReason(pc, PC_SUBPC_ERROR);
+    auto& self = *static_cast<Impl*>(context);
+    try {
+      if (!self.linear.solve(b, x)) {
+        VecSet(x, 0.0);
+        PCSetFailedReason(pc, PC_SUBPC_ERROR);
+      }
+      return 0;
+    } catch (...) {
+      self.error = std::current_exception();
+      return PETSC_ERR_USER;
     }
-    return 0;
   }
 };
 

@@ -49,12 +49,16 @@ int BodyParts::of(const Vec3& x) const {
   if (count_ == 1) return 0;
   double nearest = std::numeric_limits<double>::infinity();
   int part = 0;
+  const auto look = [&](std::size_t box) {
+    const Vec3 middle = width_ * (Vec3(boxes_[box][0], boxes_[box][1], boxes_[box][2]) + Vec3::Constant(0.5));
+    if (const double distance = (x - middle).norm(); distance < nearest) nearest = distance, part = part_[box];
+  };
   around(key_of(x), [&](const Key& key) {
     const auto found = std::lower_bound(boxes_.begin(), boxes_.end(), key);
-    if (found == boxes_.end() || *found != key) return;
-    const Vec3 middle = width_ * (Vec3(key[0], key[1], key[2]) + Vec3::Constant(0.5));
-    if (const double distance = (x - middle).norm(); distance < nearest) nearest = distance, part = part_[found - boxes_.begin()];
+    if (found != boxes_.end() && *found == key) look(found - boxes_.begin());
   });
+  if (nearest < std::numeric_limits<double>::infinity()) return part;
+  for (std::size_t box = 0; box < boxes_.size(); ++box) look(box);  // nodes of wide functions
   return part;
 }
 

@@ -16,7 +16,7 @@ public:
   BodyParts(const std::vector<Vec3>& places, double width);
 
   int count() const { return count_; }
-  /// Of a place in the body or next to it: the part of the nearest box around it, 0 if there is none.
+  /// Of a place in the body or next to it: the part of the nearest box.
   int of(const Vec3& x) const;
 
 private:

@@ -91,7 +91,7 @@ RecorderState load_recorder(const CheckpointFile& file) {
 }
 
 /// The numbers that a checkpoint of this case must have.
-void check_case(const CheckpointFile& file, const World& world, const std::string& path) {
+void check_case(const CheckpointFile& file, const World& world, const std::string& path, const std::vector<Difference>& changed) {
   const auto refuse = [&](const std::string& what) {
     throw InputError(fmt::format("{}: written by another case: {} (go on with the case file that began the run)", path, what));
   };
@@ -99,7 +99,7 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
     if (there != here) refuse(fmt::format("{} {} there, {} here", what, there, here));
   };
   const Case& c = world.spec;
-  for (const Difference& d : differences(file.read_text("case"), c.resolved))
+  for (const Difference& d : changed)
     if (d.of_the_model()) refuse(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
   expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
   expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
@@ -168,7 +168,8 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   Discretisation& d = *world.discretisation;
   const Comm& comm = world.comm;
   const CheckpointFile file = CheckpointFile::open(comm, path);
-  check_case(file, world, path);
+  const std::vector<Difference> changed = differences(file.read_text("case"), world.spec.resolved);
+  check_case(file, world, path, changed);
 
   world.time = file.read_number("time");
   world.stage = static_cast<std::size_t>(file.read_number("stage"));
@@ -208,10 +209,9 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   world.boundary->restore_rigid(world.time);
   world.begin_step();
   recorder.resume(load_recorder(file));
-  std::vector<std::string> changed;
-  for (const Difference& d : differences(file.read_text("case"), world.spec.resolved))
-    changed.push_back(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
-  return changed;
+  std::vector<std::string> sentences;
+  for (const Difference& d : changed) sentences.push_back(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
+  return sentences;
 }
 
 }  // namespace berm

@@ -9,6 +9,7 @@
 #include <set>
 #include <span>
 
+#include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "fem/fem.hpp"
 #include "io/log.hpp"
@@ -139,7 +140,7 @@ std::string loads_text(const World& w) {
                         end, resultant_text(w.spec, sums[k].force, sums[k].moment, d.cell_size()));
   if (w.spec.gravity.is_zero()) return text;
   NodalVector f(d.n_nodes(), Vec3::Zero());
-  d.add_body_force([&](int, const Vec3& x) { return w.spec.gravity.at(end, x); }, f);
+  w.comm.agree([&] { d.add_body_force([&](int, const Vec3& x) { return w.spec.gravity.at(end, x); }, f); });
   std::array<double, 6> sum{};
   for (int node = 0; node < d.n_nodes(); ++node) {
     const Vec3 moment = d.nodes[node].cross(f[node]);
@@ -191,7 +192,11 @@ std::string describe(const World& w) {
   const std::vector<Held> held = held_by_boundaries(w);
   for (std::size_t b = 0; b < held.size(); ++b)
     line(fmt::format("  boundary {:<8} holds {}", w.spec.boundaries[b].name, held_text(w, held[b])));
-  text += loads_text(w);
+  try {
+    text += loads_text(w);
+  } catch (const RunError& error) {
+    line(fmt::format("  loads             not known at the end of the first stage: {}", error.what()));
+  }
   for (const Stage& s : w.spec.stages)
     line(fmt::format("  steps             {}{}{}{}", s.steps.count, s.steps.adaptive ? " (adaptive)" : "",
                      s.steps.analysis == Analysis::dynamic ? ", dynamic" : "",

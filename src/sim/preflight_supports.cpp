@@ -363,6 +363,7 @@ void look_at_supports(const World& w) {
   const Pieces pieces(w);
   Groups groups = find_assemblies(w, share, pieces);
   for (const auto& [root, assembly] : hold_assemblies(w, share, groups, pieces)) {
+    if (!(assembly.low.x() <= assembly.high.x())) continue;  // without a node of its own
     const std::string motion = free_motion(c, assembly);
     if (motion.empty()) continue;
     const std::vector<std::string> names = names_of(w, groups, pieces, root);

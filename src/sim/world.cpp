@@ -167,7 +167,7 @@ bool in_one_cell(const MpmDiscretisation& mpm, const SurfacePoint& s) {
 /// What the checks before a run want to know of a body. `width`: places that are farther apart are not connected.
 void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::vector<double> measures, double width) {
   const double mean = std::accumulate(measures.begin(), measures.end(), 0.0) / std::max<std::size_t>(1, measures.size());
-  w.parts[body] = BodyParts(places, std::max(width, 2.0 * std::pow(mean, 1.0 / w.spec.dimension())));
+  w.parts[body] = BodyParts(places, (1.0 + 1e-6) * std::max(width, 2.0 * std::pow(mean, 1.0 / w.spec.dimension())));
   built.places[body] = std::move(places);
   built.measures[body] = std::move(measures);
 }
@@ -215,10 +215,12 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   const Material& material = material_of(c, body);
   const std::size_t first_piece = surface.size();
   SeededPoints points;
+  double farthest = 0.0;  // points of a mesh from each other
   if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
     const Mesh mesh = body_mesh(c, body, body.points.mesh);
     points = of_body(body, [&] { return seed_from_mesh(mesh, body.points.per_element); });
     summary.elements = mesh.n_cells();
+    farthest = longest_edge(mesh);
     if (body.shape) {
       const Region region = region_of(body, h);
       fit_to_cells(points, region, mpm.grid());
@@ -241,7 +243,7 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   }
   summary.points = static_cast<int>(points.x.size());
   w.bodies.push_back(summary);
-  keep(w, built, index, std::move(points.x), std::move(points.measure), h);
+  keep(w, built, index, std::move(points.x), std::move(points.measure), std::max(farthest, longest_edge(mpm.grid().mesh)));
 }
 
 void build_mpm(World& w, BuiltBodies& built) {
@@ -266,7 +268,7 @@ void build_mpm(World& w, BuiltBodies& built) {
     found.look([&] { add_body(w, built, *mpm, boxes, static_cast<int>(b), meets_others[b] > 0); });
   found.throw_if_any();
   found.look([&] { refuse_overlaps(c, built, h); });
-  w.joints = find_joints(c, surface, h);
+  found.look([&] { w.joints = find_joints(c, surface, h); });
   w.layers = layers_of_bodies(c, w.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
   found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
@@ -304,7 +306,7 @@ void build_fem(World& w, BuiltBodies& built) {
     if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
   Findings found;
   found.look([&] { refuse_overlaps(c, built, fem->cell_size()); });
-  w.joints = find_joints(c, surface, fem->cell_size());
+  found.look([&] { w.joints = find_joints(c, surface, fem->cell_size()); });
   w.discretisation = std::move(fem);
   add_boundary(w, built, found);
 }

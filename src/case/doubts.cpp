@@ -1,0 +1,43 @@
+#include "case/doubts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "case/units.hpp"
+
+namespace berm {
+namespace {
+
+/// Where a key of [kind.name] stands, else the table, else nowhere.
+Place place_of(const Node& root, const std::string& kind, const std::string& name, const std::string& key) {
+  const Node::Entry* table = root.find(kind);
+  if (table && !name.empty()) table = table->value.find(name);
+  if (!table) return {};
+  const Node::Entry* entry = table->value.find(key);
+  return entry ? entry->place : table->place;
+}
+
+}  // namespace
+
+void doubt_case(const Case& c, const Node& root, Problems& problems) {
+  constexpr double most_gravity = 1000.0;  // a hundred times the Earth's, in a centrifuge [m/s2]
+  constexpr double most_friction = 3.0;
+  for (const TimeFunction& g : c.gravity.component)
+    if (g.is_number() && std::abs(g.number()) > most_gravity)
+      problems.warn(place_of(root, "model", "", "gravity"), fmt::format("gravity of {:.6g} m/s2: did you mean mm/s2?", g.number()));
+  for (const Pressure& p : c.pressures) {
+    if (!p.value.is_number()) continue;
+    const std::string doubt = unit_doubt("value", Unit::stress, p.value.number());
+    if (!doubt.empty()) problems.warn(place_of(root, "pressure", p.name, "value"), doubt);
+  }
+  for (const Contact& k : c.contacts)
+    if (k.friction > most_friction)
+      problems.warn(place_of(root, "contact", k.name, "friction"),
+                    fmt::format("friction = {:.6g} is a coefficient: did you mean tan({:.6g} degrees)?", k.friction, k.friction));
+  for (const Body& b : c.bodies)
+    if (b.rigid && std::none_of(c.contacts.begin(), c.contacts.end(), [&](const Contact& k) { return k.rigid == b.name; }))
+      problems.warn(place_of(root, "body", b.name, "rigid"), fmt::format("rigid body \"{}\" touches nothing: no [contact.NAME] names it", b.name));
+}
+
+}  // namespace berm
