@@ -343,6 +343,8 @@ struct CheckpointFile::Impl {
     if (first < 0 || n < 0 || hsize_t(first) > height || hsize_t(n) > height - first)
       fail_content(name, fmt::format("has {} rows, not rows {} to {}", height, first, first + n));
     if (n == 0) return;
+    if (double(n) * double(width) * H5Tget_size(type.memory) > double(std::filesystem::file_size(path)))
+      fail_content(name, "is larger than the file");
     const std::array<hsize_t, 2> at{hsize_t(first), 0}, part{hsize_t(n), width};
     const Id space(H5Dget_space(set), H5Sclose), memory(H5Screate_simple(2, part.data(), nullptr), H5Sclose);
     H5Sselect_hyperslab(space, H5S_SELECT_SET, at.data(), nullptr, part.data(), nullptr);

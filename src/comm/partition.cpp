@@ -180,6 +180,10 @@ Partition Partition::from_numbers(std::span<const double> numbers) {
   for (std::size_t i = 1; i < numbers.size(); i += 4)
     p.cuts_.push_back({static_cast<int>(numbers[i]), numbers[i + 1], static_cast<int>(numbers[i + 2]),
                        static_cast<int>(numbers[i + 3])});
+  const int n = static_cast<int>(p.cuts_.size());
+  for (const Cut& cut : p.cuts_)
+    if (cut.axis < 0 || cut.axis > 2 || cut.below >= n || cut.above >= n) throw std::logic_error("not the numbers of a partition");
+  if (p.root_ >= n) throw std::logic_error("not the numbers of a partition");
   return p;
 }
 

@@ -158,6 +158,9 @@ public:
   virtual int row_width(int slice) const = 0;
   virtual std::vector<double> point_rows(int slice) const = 0;
   virtual void restore_points(const std::vector<std::vector<double>>& rows_of_slice) = 0;
+  /// How space is cut among the processes where that follows the points (mpm), as Partition has it; alike on all of them.
+  virtual std::vector<double> cuts() const { return {}; }
+  virtual void restore_cuts(const std::vector<double>& /*cuts*/) {}
   /// What the nodes that this process owns keep from step to step (fem): node_width numbers each.
   static constexpr int node_width = 12;
   virtual std::vector<double> node_state() const { return {}; }

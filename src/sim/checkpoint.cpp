@@ -159,6 +159,12 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   }
   const std::vector<double> between_bodies = world.boundary->grid_contact().rows();
   file.write("contact/grid", from_root(comm, between_bodies), 5);
+  file.write("cuts", from_root(comm, d.cuts()));
+  const ImplicitStep::Guess guess = step.guess();
+  file.write_number("guess_step", guess.dt);
+  file.write("guess/pattern", std::span<const std::int64_t>(&guess.pattern, 1));
+  file.write("guess/id", std::span<const std::int64_t>(guess.id));
+  file.write("guess/increment", std::span<const double>(guess.increment), 3);
   save_recorder(file, comm, recorder.state());
   file.commit();
 }
@@ -201,6 +207,9 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)
     rows.push_back(read_share<double>(file, comm, points_name(s), d.row_width(static_cast<int>(s))));
   d.restore_points(rows);
+  // On as many processes as it was written by, places belong to the same one as then.
+  const bool as_many = file.rows("guess/pattern") == comm.size();
+  if (as_many && file.rows("cuts") > 0) d.restore_cuts(read_all(file, "cuts"));
   d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
                   read_share<double>(file, comm, "nodes/state", Discretisation::node_width));
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
@@ -208,6 +217,11 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   world.boundary->grid_contact().restore(read_all(file, "contact/grid", 5));
   world.boundary->restore_rigid(world.time);
   world.begin_step();
+  if (as_many) {
+    const std::int64_t n = file.rows("guess/id");
+    step.restore(ImplicitStep::Guess{file.read_number("guess_step"), file.read_rows<std::int64_t>("guess/pattern", comm.rank(), 1, 1)[0],
+                                     file.read_rows<std::int64_t>("guess/id", 0, n, 1), file.read_rows<double>("guess/increment", 0, n, 3)});
+  }
   recorder.resume(load_recorder(file));
   std::vector<std::string> sentences;
   for (const Difference& d : changed) sentences.push_back(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));

@@ -89,7 +89,7 @@ void ImplicitStep::prepare(Integration integration) {
     prepared_ = true;
     motion_ready_ = false;
   }
-  if (connectivity_ != d.connectivity) last_dt_ = 0.0;
+  if (guess_connectivity_ != d.connectivity) last_dt_ = 0.0;
   lay_out(symmetric);
 }
 
@@ -603,6 +603,7 @@ void ImplicitStep::accept() {
   bc.share_gauges();
   last_du_ = du_;
   last_dt_ = t1_ - t0_;
+  guess_connectivity_ = d.connectivity;
   last_stage_ = world_.present_stage().name;
   in_equilibrium_ = reaches_equilibrium_;
   world_.time = t1_;
@@ -666,6 +667,47 @@ void ImplicitStep::set_up_stage() {
   motion_ready_ = false;
   if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics, world_.spec.method == Method::fem);
 }
+
+namespace {
+
+/// Equal for equal local nodes and blocks (FNV-1a).
+std::int64_t pattern_of(const Discretisation& d) {
+  std::uint64_t hash = 14695981039346656037ull;
+  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ull; };
+  add(d.halo.n_owned);
+  for (const std::int64_t id : d.halo.ids) add(static_cast<std::uint64_t>(id));
+  for (int block = 0; block < d.blocks.size(); ++block) {
+    add(~std::uint64_t(block));
+    for (const int node : d.blocks[block]) add(static_cast<std::uint64_t>(node));
+  }
+  return static_cast<std::int64_t>(hash);
+}
+
+}  // namespace
+
+ImplicitStep::Guess ImplicitStep::guess() const {
+  const Discretisation& d = *world_.discretisation;
+  Guess g{world_.comm.all(last_dt_ > 0.0) ? last_dt_ : 0.0, pattern_of(d), {}, {}};
+  if (g.dt == 0.0) return g;
+  for (int node = 0; node < d.halo.n_owned; ++node) {
+    g.id.push_back(d.halo.ids[node]);
+    g.increment.insert(g.increment.end(), last_du_[node].data(), last_du_[node].data() + 3);
+  }
+  return g;
+}
+
+void ImplicitStep::restore(const Guess& guess) {
+  const Discretisation& d = *world_.discretisation;
+  if (!world_.comm.all(guess.dt > 0.0 && guess.pattern == pattern_of(d))) return;
+  last_du_ = no_motion();
+  for (std::size_t k = 0; k < guess.id.size(); ++k)
+    if (const int node = d.halo.find(guess.id[k]); node >= 0)
+      for (int i = 0; i < 3; ++i) last_du_[node][i] = guess.increment[3 * k + i];
+  last_dt_ = guess.dt;
+  guess_connectivity_ = d.connectivity;
+}
+
+void ImplicitStep::renew_solver() { connectivity_ = -1; }
 
 void ImplicitStep::restore(const Balance& balance, bool in_equilibrium, const std::string& stage) {
   balance_ = balance;

@@ -60,6 +60,20 @@ public:
   bool in_equilibrium() const { return in_equilibrium_; }
   /// After a restart: the balance of the saved state, and whether it was one of equilibrium in the stage of that name.
   void restore(const Balance& balance, bool in_equilibrium, const std::string& stage);
+  /// The increment of the last step, from which the next one is guessed. `pattern`: of this process's connectivity, as a number;
+  /// `dt`: 0 if there is none.
+  struct Guess {
+    double dt = 0.0;
+    std::int64_t pattern = 0;
+    std::vector<std::int64_t> id;   ///< of the nodes that this process owns
+    std::vector<double> increment;  ///< three a node
+  };
+  Guess guess() const;
+  /// Nodes of all processes; the pattern is that of this process. Of no use where the points of now have another one. The step
+  /// has begun. Collective.
+  void restore(const Guess& guess);
+  /// What the linear solver has kept of earlier steps is left behind: a run that goes on from here knows nothing of it either.
+  void renew_solver();
   StepTimes times() const;
   LinearCount linear_count() const;
   /// How linear systems are solved and why; empty before the first step.
@@ -127,6 +141,7 @@ private:
   long n_unknowns_ = 0;
   NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
+  long guess_connectivity_ = -1;             ///< whose nodes last_du_ has
   std::string last_stage_;                   ///< of the last step
   bool in_equilibrium_ = false, reaches_equilibrium_ = false;  ///< the state at t_n; that of the last attempt
   std::vector<double> prescribed_;

@@ -154,6 +154,7 @@ private:
   void save() {
     recorder_.before_checkpoint();
     save_checkpoint((folder_ / checkpoint_name).string(), *world_, step_, recorder_, control_);
+    step_.renew_solver();
     saved_ = std::chrono::steady_clock::now();
     log_.detail(fmt::format("checkpoint at time {:.9g}", world_->time));
   }

@@ -255,6 +255,11 @@ void MpmDiscretisation::move_points(double rebalance) {
   most_loaded_ = Partition::imbalance(comm_, static_cast<double>(x_.size()));
 }
 
+void MpmDiscretisation::restore_cuts(const std::vector<double>& cuts) {
+  partition_ = Partition::from_numbers(cuts);
+  shared_out_ = true;
+}
+
 void MpmDiscretisation::restore_points(const std::vector<std::vector<double>>& rows_of_slice) {
   place_points(rows_of_slice);
   const auto last = std::max_element(id_.begin(), id_.end());

@@ -91,6 +91,8 @@ public:
   std::vector<Vec3> points_inside(const Region& region, const std::string& body) const override;
   double cell_size() const override { return cell_size_; }
 
+  std::vector<double> cuts() const override { return partition_.numbers(); }
+  void restore_cuts(const std::vector<double>& cuts) override;
   int row_width(int slice) const override;
   std::vector<double> point_rows(int slice) const override;
   void restore_points(const std::vector<std::vector<double>>& rows_of_slice) override;

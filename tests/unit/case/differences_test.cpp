@@ -1,0 +1,63 @@
+#include "case/differences.hpp"
+
+#include <gtest/gtest.h>
+
+#include "case/places.hpp"
+
+namespace berm {
+namespace {
+
+const std::string before = R"(method = "mpm"
+[grid]
+cells = [12, 6]
+origin = [0, 0]
+[body.a]
+shape = { surface = "/home/a.stl" }
+[steps]
+count = 10
+[output]
+frames = 2
+)";
+
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = before;
+  return text.replace(text.find(from), from.size(), to);
+}
+
+TEST(Differences, NoneOfTheSameText) { EXPECT_TRUE(differences(before, before).empty()); }
+
+TEST(Differences, NumbersAreComparedAsNumbers) { EXPECT_TRUE(differences(before, changed("[0, 0]", "[0.0, 0.0]")).empty()); }
+
+TEST(Differences, SayWhatWasAndIs) {
+  const auto found = differences(before, changed("count = 10", "count = 20"));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].key, "steps.count");
+  EXPECT_EQ(found[0].before, "10");
+  EXPECT_EQ(found[0].now, "20");
+  EXPECT_FALSE(found[0].of_the_model());
+}
+
+TEST(Differences, AbsentOnEitherSide) {
+  const auto less = differences(before, changed("frames = 2\n", "")), more = differences(changed("frames = 2\n", ""), before);
+  ASSERT_EQ(less.size(), 1u);
+  EXPECT_EQ(less[0].now, "absent");
+  ASSERT_EQ(more.size(), 1u);
+  EXPECT_EQ(more[0].before, "absent");
+}
+
+TEST(Differences, OfTheModelAreGridAndBodiesNotWhereTheirFilesLie) {
+  EXPECT_TRUE(differences(before, changed("[12, 6]", "[13, 6]")).at(0).of_the_model());
+  EXPECT_TRUE(differences(before, changed("\"mpm\"", "\"fem\"")).at(0).of_the_model());
+  EXPECT_FALSE(differences(before, changed("/home/a.stl", "/scratch/a.stl")).at(0).of_the_model());
+}
+
+TEST(Places, LinesBeginWithTheTableThatTheyName) {
+  Case c;
+  c.file = "dam.toml";
+  c.places = {{"pin.k", "dam.toml:4:1"}, {"body.a", "dam.toml:9:1"}};
+  EXPECT_EQ(with_places(c, "[pin.k]: no\n[pin.other]: no\nbody \"a\" is bad\nmesh.msh:3: bad"),
+            "dam.toml:4:1: [pin.k]: no\ndam.toml: [pin.other]: no\ndam.toml:9:1: body \"a\" is bad\nmesh.msh:3: bad");
+}
+
+}  // namespace
+}  // namespace berm
