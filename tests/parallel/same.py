@@ -1,15 +1,19 @@
 #!/usr/bin/env python3
-"""The same run twice, and a run that was stopped: same.py BERM [--processes 1 2 3 4] [--short] [--markdown FILE]
+"""The same run twice, and a run that was stopped: same.py BERM [--processes 1 2 3 4] [--kills N] [--short] [--markdown FILE]
 
 On the same number of processes the same case gives the same history and the same points, to the bit; so does a run that goes
 on from a checkpoint. Checksums of both are compared. Ends with 1 if any differ.
 """
 
 import argparse
+import contextlib
 import hashlib
+import os
 import pathlib
 import random
 import shutil
+import signal
+import subprocess
 import sys
 import tempfile
 
@@ -75,11 +79,30 @@ def stopped(name, overrides, n, seed):
     return checksum(whole), checksum(out)
 
 
+def killed(name, overrides, n, rng, seconds):
+    """Whether a run that is killed at a random time, with checkpoints every few steps, goes on to the end of one that was not."""
+    overrides = [*overrides, "checkpoint.every_steps=3"]
+    whole = checksum(run(name, f"{name}_{n}_alive", n, overrides))
+    out = runs.fresh(f"{name}_{n}_killed")
+    process = runs.start(runs.command(name, out, n, overrides))
+    try:
+        process.wait(rng.uniform(0.0, seconds))
+    except subprocess.TimeoutExpired:
+        for pid in reversed(runs.descendants(process.pid)):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+    process.communicate()
+    file = out / "checkpoint.h5"
+    complete(name, out, n, overrides, ["--restart", str(file)] if file.exists() else ["--force"])
+    return whole, checksum(out)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("berm")
     parser.add_argument("--processes", type=int, nargs="+", default=[1, 2, 3, 4])
     parser.add_argument("--short", action="store_true", help="two cases each on two processes")
+    parser.add_argument("--kills", type=int, default=0, help="so many runs are killed at random times, on one and on two processes")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--markdown", type=pathlib.Path)
     a = parser.parse_args()
@@ -99,6 +122,13 @@ def main():
                 cells.append(f"{first} =" if first == second else f"{first} ≠ {second}")
             lines.append(f"| {what} | " + " | ".join(cells) + " |")
             print(lines[-1], flush=True)
+    rng = random.Random(a.seed)
+    for k in range(a.kills):
+        name, overrides = rng.choice(list(RESTARTED.values()))
+        first, second = killed(name, overrides, 1 + k % 2, rng, 4.0)
+        failed += first != second
+        lines.append(f"killed {k + 1}: {name} on {1 + k % 2}: " + ("equal" if first == second else "DIFFERS"))
+        print(lines[-1], flush=True)
     if a.markdown:
         a.markdown.write_text("\n".join(lines) + "\n", encoding="utf-8")
     shutil.rmtree(runs.FOLDER, ignore_errors=True)

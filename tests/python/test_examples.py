@@ -18,7 +18,7 @@ BERM = f"""#!/bin/bash
 grep -q bad "$2" && exit 2
 [ "$1" = check ] && exit 0
 shift 2
-exec /usr/bin/python3 {HERE}/fake_berm.py run {__file__} "${{@:2}}"
+exec /usr/bin/python3 {HERE}/fake_berm.py run {__file__} "${{@:3}}"
 """
 
 

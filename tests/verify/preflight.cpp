@@ -167,7 +167,7 @@ TEST(Preflight, BodiesThatLeaveMovedNodes) {
 TEST(Preflight, BodiesOnEachOtherWithoutFriction) {
   const std::string text = grid + material + body("a", box(0, 0, 1, 0.5)) + body("b", box(0, 0.5, 1, 1)) + base +
                            "[contact.c]\nbody = \"b\"\nother = \"a\"\nkind = \"frictionless\"\n";
-  expect_words(complaint(text), {"body \"b\" can move along x: nothing"});
+  expect_words(complaint(text), {"body \"b\", near (0.5, 0.75), can move along x: nothing"});
   EXPECT_EQ(complaint(text + "[pin.p]\nbody = \"b\"\nat = [0.5, 0.9]\nfix = \"x\"\n"), "");
   EXPECT_EQ(complaint(text, {"contact.c={body=\"b\",other=\"a\",kind=\"friction\",friction=0.3}"}), "");
 }
@@ -206,11 +206,11 @@ TEST(Preflight, BodiesThatNothingHolds) {
   const std::string free_body = grid + material + body("a", box(0, 0, 1, 1));
   for (const std::string method : {"mpm", "fem"}) {
     const auto text = [&](const std::string& rest) { return complaint("method = \"" + method + "\"\n" + free_body + rest); };
-    expect_words(text(""), {"body \"a\" can move along x, y and turn: nothing holds it", "[boundary.NAME]", "analysis = \"dynamic\""});
+    expect_words(text(""), {"body \"a\", near (0.5, 0.5), can move along x, y and turn: nothing holds it", "[boundary.NAME]", "analysis = \"dynamic\""});
     expect_words(text("[boundary.t]\nwhere.box = { min = [-1.0, 0.9999] }\nuy = 0.001\n"), {"can move along x: nothing"});
     expect_words(text("[pin.p]\nbody = \"a\"\nat = [0.25, 0.5]\nfix = \"xy\"\n"), {"can turn about (0.25, 0.5): nothing"});
     EXPECT_EQ(text("[pin.p]\nbody = \"a\"\nat = [0.25, 0.5]\nfix = \"xy\"\n[pin.q]\nbody = \"a\"\nat = [0.75, 0.5]\nfix = \"y\"\n"), "");
-    expect_words(text(base + body("b", box(1.4, 0.5, 1.9, 0.9))), {"body \"b\" can move along x, y and turn"});
+    expect_words(text(base + body("b", box(1.4, 0.5, 1.9, 0.9))), {"body \"b\", near (1.65, 0.7), can move along x, y and turn"});
     EXPECT_EQ(text(base + body("b", box(0, 1, 1, 1.5))), "");  // stands on the first
     EXPECT_EQ(text("[boundary.l]\nbody = \"a\"\nwhere.box = { max = [1e-6, 9.0] }\nux = 0.0\nuy = 0.0\n"), "");
     const std::string floor = "[body.f]\nrigid = true\nshape." + box(-0.1, -0.2, 1.1, 0.0) + "\n[contact.c]\nbody = \"a\"\nrigid = \"f\"\n";
