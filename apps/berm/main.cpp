@@ -61,7 +61,7 @@ void add_commands(CLI::App& app, Words& w) {
   add_options_of_case(run, w);
   run->add_option("--out", w.out, "output folder (default: out/<name of the case>)");
   run->add_flag("--force", w.force, "replace the results of a run that came to its end");
-  run->add_option("-n", w.ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::PositiveNumber);
+  run->add_option("-n", w.ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::Range(1, 1000000));
   run->add_flag("--oversubscribe", w.oversubscribe, "more processes than cores");
   run->add_option("--restart", w.restart, "checkpoint.h5 to go on from, on any number of processes");
   run->add_flag("--quiet", w.quiet, "only warnings and errors");
@@ -104,7 +104,7 @@ std::string completion_script(const CLI::App& app) {
 int refuse_command(const CLI::App& app, int argc, char** argv) {
   const std::vector<std::string> names = names_of_commands(app);
   if (argc < 2 || argv[1][0] == '-' || std::find(names.begin(), names.end(), argv[1]) != names.end()) return 0;
-  fmt::print(stderr, "berm: \"{}\" is no command{}; see berm --help\n", argv[1], berm::suggestion(argv[1], names));
+  say_error(fmt::format("berm: \"{}\" is no command{}; see berm --help", argv[1], berm::suggestion(argv[1], names)));
   return exit_bad_input;
 }
 
@@ -112,7 +112,7 @@ int refuse_command(const CLI::App& app, int argc, char** argv) {
 int guarded(const std::function<int()>& work) {
   const auto alone = [] { return berm::Comm::world().size() == 1; };  // not before the work has begun
   const auto fail = [&](const std::string& text, int code) {
-    if (berm::Comm::world().is_root()) fmt::print(stderr, "{}\n", text);
+    if (berm::Comm::world().is_root()) say_error(text);
     return code;
   };
   try {
@@ -126,7 +126,7 @@ int guarded(const std::function<int()>& work) {
     const bool memory = dynamic_cast<const std::bad_alloc*>(&error);
     const char* text = memory ? "no memory left: take larger cells or fewer points (`berm check` estimates what a run needs)" : error.what();
     if (alone()) return fail(fmt::format("berm: {}", text), exit_failed);
-    fmt::print(stderr, "berm: process {}: {}\n", berm::Comm::world().rank(), text);
+    say_error(fmt::format("berm: process {}: {}", berm::Comm::world().rank(), text));
     berm::Comm::world().abort(exit_failed);
   }
 }

@@ -17,6 +17,7 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "streams.hpp"
 
 namespace {
 
@@ -104,7 +105,7 @@ void pass_on_words(int from) {
       const ssize_t more = write(STDOUT_FILENO, words + done, static_cast<std::size_t>(n - done));
       heard = more >= 0 || errno == EINTR;
       if (!heard && errno != EPIPE)
-        fmt::print(stderr, "berm: the terminal takes no more words ({}): the rest is in the log\n", std::strerror(errno));
+        say_error(fmt::format("berm: the terminal takes no more words ({}): the rest is in the log", std::strerror(errno)));
       done += std::max<ssize_t>(more, 0);
     }
   }
@@ -120,7 +121,7 @@ void pass_on_words(int from) {
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   execvp("mpiexec", argv.data());
-  fmt::print(stderr, "berm: cannot start mpiexec: {}\n", std::strerror(errno));
+  say_error(fmt::format("berm: cannot start mpiexec: {}", std::strerror(errno)));
   std::_Exit(failed);
 }
 
@@ -166,7 +167,7 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   close(text);
   close(out[1]);
   if (child < 0) {
-    fmt::print(stderr, "berm: cannot start mpiexec: no process left\n");
+    say_error(fmt::format("berm: cannot start mpiexec: no process left"));
     return failed;
   }
   mpiexec = child;

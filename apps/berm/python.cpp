@@ -1,4 +1,5 @@
 #include "python.hpp"
+#include "streams.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,8 +20,8 @@ int run_python(const std::string& module, const std::vector<std::string>& argume
   for (std::string& w : words) argv.push_back(w.data());
   argv.push_back(nullptr);
   execv(interpreter, argv.data());
-  fmt::print(stderr, "berm: cannot start {}: {}\n", interpreter,
+  say_error(fmt::format("berm: cannot start {}: {}", interpreter,
              chosen ? "BERM_PYTHON must be the path of a Python interpreter"
-                    : "install python3, python3-matplotlib and python3-vtk9");
+                    : "install python3, python3-matplotlib and python3-vtk9"));
   return 1;
 }

@@ -18,10 +18,15 @@ void prepare_streams() {
   for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
 }
 
+void say_error(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stderr);
+  std::fflush(stderr);
+}
+
 int print_out(const std::string& text) {
   errno = 0;
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return 0;
-  if (errno != EPIPE) fmt::print(stderr, "berm: cannot write to standard output: {}\n", std::strerror(errno));
+  if (errno != EPIPE) say_error(fmt::format("berm: cannot write to standard output: {}", std::strerror(errno)));
   return 1;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "streams.hpp"
 
 namespace {
 
@@ -45,7 +46,7 @@ void look_for_temporary_folder(int processes, const std::filesystem::path& out) 
   std::filesystem::create_directories(out, error);
   for (const std::string& folder : {std::string("/tmp"), std::string("/dev/shm"), std::filesystem::absolute(out).string()}) {
     if (!unfit(folder, processes).empty()) continue;
-    fmt::print(stderr, "berm: temporary files go to {}, since {} (TMPDIR) cannot take them: {}\n", folder, wanted, why);
+    say_error(fmt::format("berm: temporary files go to {}, since {} (TMPDIR) cannot take them: {}", folder, wanted, why));
     setenv("TMPDIR", folder.c_str(), 1);
     return;
   }

@@ -12,14 +12,15 @@ namespace berm {
 int open_new_file(const std::string& path) {
   constexpr int flags = O_CREAT | O_WRONLY | O_NOFOLLOW | O_CLOEXEC;
   struct stat there;
-  if (::lstat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode))
+  if (::lstat(path.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode) && !S_ISFIFO(there.st_mode))
     return ::open(path.c_str(), flags | O_TRUNC, 0666);
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) return -1;
   return ::open(path.c_str(), flags | O_EXCL, 0666);
 }
 
 int open_to_append(const std::string& path) {
-  return ::open(path.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0666);
+  // O_NONBLOCK: a named pipe without a reader is refused at once.
+  return ::open(path.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
 }
 
 std::string host_name() {

@@ -44,8 +44,8 @@ bool same(const std::string& a, const std::string& b) {
 bool Difference::of_the_model() const {
   // A file may lie elsewhere now; how many points come of it is looked at too.
   static const std::regex fixed(R"(method|model\.(?!gravity|title|allow_glued).*|grid(\.(?!file).*|\[.*)?)"
-                                R"(|body\.[^.]+\.(shape(?!.*\.(file|surface)).*|mesh(?!\.file).*|points.*|material|rigid)|material\.[^.]+\.law)"
-                                R"(|(boundary|pin|contact|pressure|absorbing|gauge)\.[^.]+\.(body|rigid|other|kind|at|from|to|where.*))");
+                                R"(|body\.[^.]+\.(shape(?!.*\.(file|surface)).*|mesh(?!\.file).*|points.*|material|rigid|velocity.*)|material\.[^.]+\.(law|density))"
+                                R"(|(boundary|pin|contact|pressure|absorbing|gauge)\.[^.]+\.(body|rigid|other|kind|(at|from|to|where).*))");
   return std::regex_match(key, fixed);
 }
 

@@ -188,11 +188,15 @@ struct CheckpointFile::Impl {
     }
   }
 
-  void open() {
+  /// Before anybody opens it.
+  void look() const {
     if (::access(path.c_str(), R_OK) != 0) throw InputError(fmt::format("cannot read {}: {}", path, strerror(errno)));
     if (std::filesystem::is_directory(path)) throw InputError(fmt::format("cannot read {}: it is a folder", path));
     if (H5Fis_hdf5(path.c_str()) <= 0) fail_read("it is no HDF5 file");
     if (comm.is_root()) check_seal();
+  }
+
+  void open() {
     // Every process opens it with the plain driver: reading then needs no agreement on who reads what when.
     const Id access = properties(H5P_FILE_ACCESS);
     H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
@@ -399,6 +403,7 @@ CheckpointFile CheckpointFile::open(const Comm& comm, const std::string& path) {
   auto impl = std::make_unique<Impl>();
   impl->comm = comm;
   impl->path = path;
+  comm.agree([&] { impl->look(); });
   comm.agree([&] { impl->open(); });
   return CheckpointFile(std::move(impl));
 }

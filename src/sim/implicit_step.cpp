@@ -1,5 +1,7 @@
 #include "sim/implicit_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -560,6 +562,15 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
       break;
     }
   }
+  if (newton.converged && flies_away()) {
+    newton.converged = result.stood_still = false;
+    const auto follows = [](const Pressure& p) { return !p.traction && p.direction == Pressure::Direction::following; };
+    const auto& pressures = world_.spec.pressures;
+    const auto found = std::find_if(pressures.begin(), pressures.end(), follows);
+    newton.reason = "a body would move by half its size in one quasi-static step: nothing holds it in the direction in which it goes";
+    if (found != pressures.end() && world_.spec.kinematics == Kinematics::finite)
+      newton.reason += fmt::format("; a pressure that turns with its face may push it there: [pressure.{}] direction = \"dead\" does not", found->name);
+  }
   result.converged = newton.converged;
   reaches_equilibrium_ = integration == Integration::implicit && !motion_ && !result.stood_still;
   const double reference = std::max(scale, s.absolute_tolerance * world_.elastic_scale);
@@ -575,6 +586,46 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
   if (motion_) result.time_error = motion_->error(*world_.discretisation, du_);
   return result;
+}
+
+/// The largest motion that supports and rigid bodies prescribe in the step [m]. Collective.
+double ImplicitStep::prescribed_motion() const {
+  double largest = 0.0;
+  for (const double value : prescribed_) largest = std::max(largest, std::abs(value));
+  for (const Body& body : world_.spec.bodies)
+    if (body.rigid) largest = std::max(largest, body.displacement.step(t0_, t1_).norm());
+  return world_.comm.max(largest);
+}
+
+/// An equilibrium in which a body has moved by half its size is none that a step leads to: what only its loads held has flown
+/// there. Not where supports move as far. Collective.
+bool ImplicitStep::flies_away() const {
+  constexpr double cells = 2.0, size = 0.5;
+  if (motion_) return false;
+  const Discretisation& d = *world_.discretisation;
+  double farthest = 0.0;
+  for (int node = 0; node < d.halo.n_owned; ++node) farthest = std::max(farthest, du_[node].norm());
+  const double enough = 2.0 * prescribed_motion();
+  if (world_.comm.max(farthest) <= cells * d.cell_size() + enough) return false;
+  for (const Slice& slice : d.material.slices) {
+    // Its mean motion, by the mass that each node has of it.
+    NodalVector mass(d.n_nodes(), Vec3::Zero());
+    d.add_body_force([&](int body, const Vec3&) { return Vec3(body == slice.body ? 1.0 : 0.0, 0.0, 0.0); }, mass);
+    d.halo.add_to_owners(mass.data()->data(), 3);
+    std::array<double, 4> sums{};
+    Vec3 low = Vec3::Constant(1e300), high = -low;
+    for (int node = 0; node < d.halo.n_owned; ++node) {
+      const double m = mass[node].x();
+      if (m == 0.0) continue;
+      sums[3] += m;
+      for (int i = 0; i < 3; ++i) sums[i] += m * du_[node][i];
+      low = low.cwiseMin(d.nodes[node]), high = high.cwiseMax(d.nodes[node]);
+    }
+    world_.comm.sum(std::span<double>(sums));
+    for (int i = 0; i < 3; ++i) low[i] = world_.comm.min(low[i]), high[i] = world_.comm.max(high[i]);
+    if (sums[3] != 0.0 && (Vec3(sums.data()) / sums[3]).norm() > size * (high - low).norm() + enough) return true;
+  }
+  return false;
 }
 
 /// Commit: energies by the trapezoidal rule on forces and displacements, then points, contact, time.

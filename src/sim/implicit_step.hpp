@@ -111,6 +111,8 @@ private:
   };
   std::vector<Attempt> attempts(const Solver& s) const;
   bool is_fair() const;
+  double prescribed_motion() const;
+  bool flies_away() const;
   bool nothing_changes() const;
   void find_worst_node(StepResult& result) const;
   bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);

@@ -77,6 +77,26 @@ body = "a"
 where.box = { max = [1e-6, 9.0] }
 value = "6e3*max(0, t - 1)"
 """
+# The second body is held by friction alone, which holds nothing before it is pressed.
+FLIES = """
+model.gravity = [0.0, -9.81]
+grid = { origin = [-0.5, 0.0], cell_size = 0.1, cells = [35, 18] }
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [2.0, 0.5] }
+[body.b]
+material = "m"
+shape.box = { min = [0.53, 0.5], max = [1.13, 1.3] }
+[contact.c]
+body = "b"
+other = "a"
+kind = "friction"
+friction = 0.6
+[pressure.t]
+body = "b"
+where.box = { min = [0.0, 1.299], max = [2.0, 1.301] }
+value = 80000.0
+""" + ELASTIC.replace("1e7", "3e6") + BASE + "[steps]\ncount = 40\n"
 BAR = """
 grid = { origin = [-0.2, -0.2], cell_size = 0.1, cells = [44, 14] }
 [body.a]
@@ -158,6 +178,7 @@ FAILURES = {
                     'kind = "shared_nodes"', ['contact.c={body="a",rigid="plate",kind="shared_nodes"}', 'body.plate.displacement=[0.0,"-0.1*t"]']),
     "penetration, told": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("-0.3", "-0.06") + '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "frictionless"\nstiffness = 0.05\n[steps]\ncount = 10\n',
                           "deep inside of rigid body", ["contact.c.stiffness=100.0"]),
+    "flies under a pressure": (FLIES, "by half its size in one quasi-static step", ["pressure.t.direction=dead"]),
     "slides": (GRID + ELASTIC + BLOCK + SLIDE, "the friction of [contact.c] is used up", ["stage.push.analysis=dynamic"]),
     "slides, soil": (GRID + SAND.replace("1e3", "1e6") + BLOCK + SLIDE, "the friction of [contact.c] is used up", ["stage.push.analysis=dynamic"]),
     "jumps over a snap-back": (BRITTLE + BAR, "where the structure snaps back", ["steps.analysis=dynamic", "boundary.right.ux=1e-4*t", "steps.count=50"]),

@@ -1269,7 +1269,7 @@ class Refused(Case):
     def test_other_models(self):
         file = finished("shared", 1, CHECKPOINTS) / "checkpoint.h5"
         for other, words in (
-            (["grid.cells=[13, 6]"], "grid.cells[0] was 12, now it is 13"),
+            (["grid.cells=[14, 12]"], "grid.cells[0] was 12, now it is 14"),
             (["grid.shape_functions=quadratic_bspline"], 'grid.shape_functions was'),
             (["model.kinematics=small"], 'model.kinematics was "finite", now it is "small"'),
             (["model.formulation=total_lagrangian"], "model.formulation was"),

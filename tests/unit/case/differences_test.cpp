@@ -13,6 +13,8 @@ cells = [12, 6]
 origin = [0, 0]
 [body.a]
 shape = { surface = "/home/a.stl" }
+[pin.k]
+at = [0.0, 1.0]
 [steps]
 count = 10
 [output]
@@ -48,6 +50,7 @@ TEST(Differences, AbsentOnEitherSide) {
 TEST(Differences, OfTheModelAreGridAndBodiesNotWhereTheirFilesLie) {
   EXPECT_TRUE(differences(before, changed("[12, 6]", "[13, 6]")).at(0).of_the_model());
   EXPECT_TRUE(differences(before, changed("\"mpm\"", "\"fem\"")).at(0).of_the_model());
+  EXPECT_TRUE(differences(before, changed("[0.0, 1.0]", "[0.0, 2.0]")).at(0).of_the_model());
   EXPECT_FALSE(differences(before, changed("/home/a.stl", "/scratch/a.stl")).at(0).of_the_model());
 }
 
