@@ -167,7 +167,7 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   close(text);
   close(out[1]);
   if (child < 0) {
-    say_error(fmt::format("berm: cannot start mpiexec: no process left"));
+    say_error("berm: cannot start mpiexec: no process left");
     return failed;
   }
   mpiexec = child;

@@ -8,6 +8,7 @@ namespace berm {
 
 struct Difference {
   std::string key, before, now;  ///< as "body.dam.velocity[1]"; a value that one of them lacks is "absent"
+  std::string text() const { return key + " was " + before + ", now it is " + now; }
   /// Points, nodes and their state fit the one value only; else the key may change in a restart.
   bool of_the_model() const;
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "comm/mpi.hpp"
-#include "la/linear.hpp"
+#include "la/petsc.hpp"
 
 namespace berm {
 
@@ -65,17 +65,6 @@ bool DirectSolver::solve_gathered(Vec b, Vec x) {
   return solved != 0;
 }
 
-bool DirectSolver::run(Mat matrix, Vec b, Vec x) {
-  KSPSetOperators(ksp_, matrix, matrix);
-  if (KSPSolve(ksp_, b, x) != 0) return false;
-  KSPConvergedReason reason;
-  KSPGetConvergedReason(ksp_, &reason);
-  PetscInt n = 0;
-  KSPGetIterationNumber(ksp_, &n);
-  iterations_ = static_cast<int>(n);
-  return reason > 0;
-}
-
 /// MUMPS guesses its work space before it pivots: INFOG(1) = -8, -9 say that it was too small, by how much nobody knows.
 bool DirectSolver::ran_out_of_space() const {
   PC pc;
@@ -102,7 +91,7 @@ bool DirectSolver::solve_here(Mat matrix, Vec b, Vec x) {
   constexpr int least = 100, most = 1600;  // [%]
   if (space_ > 0 && !started_) give_space(matrix);
   started_ = true;
-  while (!run(matrix, b, x)) {
+  while (!solve_by(ksp_, matrix, b, x, &iterations_)) {
     if (!ran_out_of_space() || space_ >= most) return false;
     space_ = std::max(least, 4 * space_);
     give_space(matrix);

@@ -36,7 +36,6 @@ private:
   void gather_matrix();
   bool solve_gathered(Vec b, Vec x);
   bool solve_here(Mat matrix, Vec b, Vec x);
-  bool run(Mat matrix, Vec b, Vec x);
   bool ran_out_of_space() const;
   void give_space(Mat matrix);
 

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "comm/mpi.hpp"
+#include "la/petsc.hpp"
 
 namespace berm {
 namespace {
@@ -19,13 +19,6 @@ constexpr int patience = 3;
 constexpr int worth_of_multigrid = 30;
 
 }  // namespace
-
-void check_petsc(PetscErrorCode code, const char* what) {
-  if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(code, &text, nullptr);
-  throw RunError(std::string("PETSc: ") + what + " failed: " + (text ? text : "unknown error"));
-}
 
 void LinearSolver::destroy() {
   KSPDestroy(&ksp_);
@@ -106,17 +99,6 @@ void LinearSolver::set_matrix(Mat matrix, const SystemLayout& layout, bool symme
   }
 }
 
-bool LinearSolver::run_iterative(Vec b, Vec x, int* iterations) {
-  KSPSetOperators(ksp_, matrix_, matrix_);
-  if (KSPSolve(ksp_, b, x) != 0) return false;
-  KSPConvergedReason reason;
-  KSPGetConvergedReason(ksp_, &reason);
-  PetscInt n = 0;
-  KSPGetIterationNumber(ksp_, &n);
-  *iterations = n;
-  return reason > 0;
-}
-
 /// With the multigrid of an earlier matrix as long as it serves: what ends the iterations is the true residual, so that only
 /// their number depends on it. Then all of it is made anew; the parts that PETSc would keep (which unknowns are strongly
 /// coupled, bounds of eigenvalues) mislead where a part of the body has lost most of its stiffness.
@@ -129,7 +111,7 @@ bool LinearSolver::iterate(Vec b, Vec x, int* iterations) {
   if (multigrid && !keep) make_iterative();
   KSPSetReusePreconditioner(ksp_, keep ? PETSC_TRUE : PETSC_FALSE);
   int n = 0;
-  const bool solved = run_iterative(b, x, &n);
+  const bool solved = solve_by(ksp_, matrix_, b, x, &n);
   *iterations += n;
   if (keep && !solved) {
     excess_ = worth_of_multigrid;

@@ -11,9 +11,6 @@
 
 namespace berm {
 
-/// Throws RunError with PETSc's text unless code is 0.
-void check_petsc(PetscErrorCode code, const char* what);
-
 class LinearSolver {
 public:
   LinearSolver(const Solver& options, const Comm& comm) : options_(options), comm_(comm) {}
@@ -36,7 +33,6 @@ private:
   void set_rigid_modes(const SystemLayout& layout);
   void make_iterative();
   void make_direct(std::optional<DirectSolver>& solver, const char* prefix);
-  bool run_iterative(Vec b, Vec x, int* iterations);
   bool iterate(Vec b, Vec x, int* iterations);
 
   const Solver& options_;

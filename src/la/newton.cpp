@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "comm/mpi.hpp"
 #include "la/linear.hpp"
+#include "la/petsc.hpp"
 
 namespace berm {
 namespace {

@@ -100,7 +100,7 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
   };
   const Case& c = world.spec;
   for (const Difference& d : changed)
-    if (d.of_the_model()) refuse(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
+    if (d.of_the_model()) refuse(d.text());
   expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
   expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
   expect("boundaries:", file.read_number("boundaries"), static_cast<double>(c.boundaries.size()));
@@ -114,6 +114,19 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
     if (there > here && has_domains(c.shape_functions)) continue;  // split since the start
     expect(body.c_str(), static_cast<double>(there), static_cast<double>(here));
   }
+}
+
+/// Each process takes the rows that it wrote, unless points have come to other cells since: then there is nothing to guess from,
+/// as there was not in the run that went on. Collective.
+void restore_guess(const CheckpointFile& file, const World& world, ImplicitStep& step) {
+  const Comm& comm = world.comm;
+  const double dt = file.read_number("guess_step");
+  const std::int64_t pattern = file.read_rows<std::int64_t>("guess/pattern", comm.rank(), 1, 1)[0];
+  if (!comm.all(dt > 0.0 && pattern == pattern_of(*world.discretisation))) return;
+  const long mine = world.discretisation->halo.n_owned, first = comm.exclusive_sum(mine);
+  std::vector<double> increment;
+  comm.agree([&] { increment = file.read_rows<double>("guess/increment", first, mine, 3); });
+  step.restore(ImplicitStep::Guess{dt, increment});
 }
 
 }  // namespace
@@ -160,10 +173,10 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   const std::vector<double> between_bodies = world.boundary->grid_contact().rows();
   file.write("contact/grid", from_root(comm, between_bodies), 5);
   file.write("cuts", from_root(comm, d.cuts()));
+  const std::int64_t pattern = pattern_of(d);
+  file.write("guess/pattern", std::span<const std::int64_t>(&pattern, 1));
   const ImplicitStep::Guess guess = step.guess();
   file.write_number("guess_step", guess.dt);
-  file.write("guess/pattern", std::span<const std::int64_t>(&guess.pattern, 1));
-  file.write("guess/id", std::span<const std::int64_t>(guess.id));
   file.write("guess/increment", std::span<const double>(guess.increment), 3);
   save_recorder(file, comm, recorder.state());
   file.commit();
@@ -220,14 +233,10 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   world.boundary->grid_contact().restore(read_all(file, "contact/grid", 5));
   world.boundary->restore_rigid(world.time);
   world.begin_step();
-  if (as_many) {
-    const std::int64_t n = file.rows("guess/id");
-    step.restore(ImplicitStep::Guess{file.read_number("guess_step"), file.read_rows<std::int64_t>("guess/pattern", comm.rank(), 1, 1)[0],
-                                     file.read_rows<std::int64_t>("guess/id", 0, n, 1), file.read_rows<double>("guess/increment", 0, n, 3)});
-  }
+  if (as_many) restore_guess(file, world, step);
   recorder.resume(load_recorder(file));
   std::vector<std::string> sentences;
-  for (const Difference& d : changed) sentences.push_back(fmt::format("{} was {}, now it is {}", d.key, d.before, d.now));
+  for (const Difference& d : changed) sentences.push_back(d.text());
   return sentences;
 }
 

@@ -1,7 +1,5 @@
 #include "sim/implicit_step.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -22,9 +20,6 @@ double still_tolerance(const Case& c) { return any_law(c, is_plastic) ? 1e-4 : 1
 /// A state in which nothing changes is kept if its forces are out of balance by no more than this, which comes from points that
 /// have moved on the grid; with more it is no equilibrium.
 constexpr double rest_tolerance = 1e-2;
-
-/// Forces of a contact whose nodes have been frozen may be off by this share of themselves.
-constexpr double most_violation = 0.1;
 
 /// Part of a step over which velocities at its ends are differences, and over which a motion begins.
 constexpr double small_part = 1e-4;
@@ -448,50 +443,6 @@ bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<do
   return newton.converged;
 }
 
-/// Whether the contacts of the trial state are as assumed.
-bool ImplicitStep::is_fair() const {
-  return world_.boundary->grid_contact().violation(*world_.discretisation, du_) <= most_violation;
-}
-
-/// In equilibrium, whether supports, rigid bodies and loads are at the end of the step what and where they were at its start.
-bool ImplicitStep::nothing_changes() const {
-  const Case& c = world_.spec;
-  if (motion_ || gauge_ >= 0 || !in_equilibrium_ || !same_act_in(c, last_stage_, world_.present_stage().name)) return false;
-  if (any_law(c, [](const AnyLaw& law) { return std::holds_alternative<Newtonian>(law); })) return false;
-  bool same = std::all_of(prescribed_.begin(), prescribed_.end(), [](double du) { return du == 0.0; });
-  for (const Body& b : c.bodies) same = same && b.displacement.step(t0_, t1_).isZero(0.0);
-  for (const NodeBoundary& b : c.boundaries) {
-    const auto rests = [&](const TimeFunction& u) { return !u.depends_on_place() && u.step(t0_, t1_) == 0.0; };
-    same = same && (b.body.empty() || std::all_of(b.u.begin(), b.u.end(), [&](const auto& u) { return !u || rests(*u); })) && rests(b.un);
-  }
-  return world_.comm.all(same) && world_.comm.all(weight_ == weight_at(t0_)) &&
-         world_.comm.all(pressure_at(t0_, no_motion()) == pressure_at(t1_, no_motion()));
-}
-
-/// Where forces of the last residual balance least, on all processes.
-void ImplicitStep::find_worst_node(StepResult& result) const {
-  const Discretisation& d = *world_.discretisation;
-  if (static_cast<int>(force_.size()) != d.n_nodes()) return;
-  const std::vector<char>& fixed = world_.boundary->fixed();
-  double sum = 0.0, worst = -1.0;
-  int node = -1;
-  for (int i = 0; i < d.halo.n_owned; ++i) {
-    double here = 0.0;
-    for (int k = 0; k < dimension_; ++k)
-      if (!fixed[dimension_ * i + k]) here += force_[i][k] * force_[i][k];
-    sum += here;
-    if (here > worst) worst = here, node = i;
-  }
-  sum = world_.comm.sum(sum);
-  const double all = world_.comm.max(worst);
-  std::vector<Vec3> found;
-  if (node >= 0 && worst == all) found.push_back(d.nodes[node]);
-  found = world_.comm.all_gather(found);
-  if (found.empty() || !(sum > 0.0)) return;
-  result.where = found[0];
-  result.share = std::sqrt(all / sum);
-}
-
 StepResult ImplicitStep::attempt(double dt, Integration integration) {
   prepare(integration);
   n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
@@ -564,12 +515,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   }
   if (newton.converged && flies_away()) {
     newton.converged = result.stood_still = false;
-    const auto follows = [](const Pressure& p) { return !p.traction && p.direction == Pressure::Direction::following; };
-    const auto& pressures = world_.spec.pressures;
-    const auto found = std::find_if(pressures.begin(), pressures.end(), follows);
-    newton.reason = "a body would move by half its size in one quasi-static step: nothing holds it in the direction in which it goes";
-    if (found != pressures.end() && world_.spec.kinematics == Kinematics::finite)
-      newton.reason += fmt::format("; a pressure that turns with its face may push it there: [pressure.{}] direction = \"dead\" does not", found->name);
+    newton.reason = reason_of_flight();
   }
   result.converged = newton.converged;
   reaches_equilibrium_ = integration == Integration::implicit && !motion_ && !result.stood_still;
@@ -586,46 +532,6 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
   if (motion_) result.time_error = motion_->error(*world_.discretisation, du_);
   return result;
-}
-
-/// The largest motion that supports and rigid bodies prescribe in the step [m]. Collective.
-double ImplicitStep::prescribed_motion() const {
-  double largest = 0.0;
-  for (const double value : prescribed_) largest = std::max(largest, std::abs(value));
-  for (const Body& body : world_.spec.bodies)
-    if (body.rigid) largest = std::max(largest, body.displacement.step(t0_, t1_).norm());
-  return world_.comm.max(largest);
-}
-
-/// An equilibrium in which a body has moved by half its size is none that a step leads to: what only its loads held has flown
-/// there. Not where supports move as far. Collective.
-bool ImplicitStep::flies_away() const {
-  constexpr double cells = 2.0, size = 0.5;
-  if (motion_) return false;
-  const Discretisation& d = *world_.discretisation;
-  double farthest = 0.0;
-  for (int node = 0; node < d.halo.n_owned; ++node) farthest = std::max(farthest, du_[node].norm());
-  const double enough = 2.0 * prescribed_motion();
-  if (world_.comm.max(farthest) <= cells * d.cell_size() + enough) return false;
-  for (const Slice& slice : d.material.slices) {
-    // Its mean motion, by the mass that each node has of it.
-    NodalVector mass(d.n_nodes(), Vec3::Zero());
-    d.add_body_force([&](int body, const Vec3&) { return Vec3(body == slice.body ? 1.0 : 0.0, 0.0, 0.0); }, mass);
-    d.halo.add_to_owners(mass.data()->data(), 3);
-    std::array<double, 4> sums{};
-    Vec3 low = Vec3::Constant(1e300), high = -low;
-    for (int node = 0; node < d.halo.n_owned; ++node) {
-      const double m = mass[node].x();
-      if (m == 0.0) continue;
-      sums[3] += m;
-      for (int i = 0; i < 3; ++i) sums[i] += m * du_[node][i];
-      low = low.cwiseMin(d.nodes[node]), high = high.cwiseMax(d.nodes[node]);
-    }
-    world_.comm.sum(std::span<double>(sums));
-    for (int i = 0; i < 3; ++i) low[i] = world_.comm.min(low[i]), high[i] = world_.comm.max(high[i]);
-    if (sums[3] != 0.0 && (Vec3(sums.data()) / sums[3]).norm() > size * (high - low).norm() + enough) return true;
-  }
-  return false;
 }
 
 /// Commit: energies by the trapezoidal rule on forces and displacements, then points, contact, time.
@@ -718,47 +624,6 @@ void ImplicitStep::set_up_stage() {
   motion_ready_ = false;
   if (stage.steps.analysis == Analysis::dynamic) motion_.emplace(stage.dynamics, world_.spec.method == Method::fem);
 }
-
-namespace {
-
-/// Equal for equal local nodes and blocks (FNV-1a).
-std::int64_t pattern_of(const Discretisation& d) {
-  std::uint64_t hash = 14695981039346656037ull;
-  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ull; };
-  add(d.halo.n_owned);
-  for (const std::int64_t id : d.halo.ids) add(static_cast<std::uint64_t>(id));
-  for (int block = 0; block < d.blocks.size(); ++block) {
-    add(~std::uint64_t(block));
-    for (const int node : d.blocks[block]) add(static_cast<std::uint64_t>(node));
-  }
-  return static_cast<std::int64_t>(hash);
-}
-
-}  // namespace
-
-ImplicitStep::Guess ImplicitStep::guess() const {
-  const Discretisation& d = *world_.discretisation;
-  Guess g{world_.comm.all(last_dt_ > 0.0) ? last_dt_ : 0.0, pattern_of(d), {}, {}};
-  if (g.dt == 0.0) return g;
-  for (int node = 0; node < d.halo.n_owned; ++node) {
-    g.id.push_back(d.halo.ids[node]);
-    g.increment.insert(g.increment.end(), last_du_[node].data(), last_du_[node].data() + 3);
-  }
-  return g;
-}
-
-void ImplicitStep::restore(const Guess& guess) {
-  const Discretisation& d = *world_.discretisation;
-  if (!world_.comm.all(guess.dt > 0.0 && guess.pattern == pattern_of(d))) return;
-  last_du_ = no_motion();
-  for (std::size_t k = 0; k < guess.id.size(); ++k)
-    if (const int node = d.halo.find(guess.id[k]); node >= 0)
-      for (int i = 0; i < 3; ++i) last_du_[node][i] = guess.increment[3 * k + i];
-  last_dt_ = guess.dt;
-  guess_connectivity_ = d.connectivity;
-}
-
-void ImplicitStep::renew_solver() { connectivity_ = -1; }
 
 void ImplicitStep::restore(const Balance& balance, bool in_equilibrium, const std::string& stage) {
   balance_ = balance;

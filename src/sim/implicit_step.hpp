@@ -42,6 +42,9 @@ struct StepTimes {
   double connectivity = 0.0, response = 0.0, assembly = 0.0, linear = 0.0;
 };
 
+/// A number that is equal for equal local nodes and blocks of this process.
+std::int64_t pattern_of(const Discretisation& d);
+
 class ImplicitStep {
 public:
   explicit ImplicitStep(World& world);
@@ -60,17 +63,13 @@ public:
   bool in_equilibrium() const { return in_equilibrium_; }
   /// After a restart: the balance of the saved state, and whether it was one of equilibrium in the stage of that name.
   void restore(const Balance& balance, bool in_equilibrium, const std::string& stage);
-  /// The increment of the last step, from which the next one is guessed. `pattern`: of this process's connectivity, as a number;
-  /// `dt`: 0 if there is none.
+  /// The increment of the last step, from which the next one is guessed.
   struct Guess {
-    double dt = 0.0;
-    std::int64_t pattern = 0;
-    std::vector<std::int64_t> id;   ///< of the nodes that this process owns
-    std::vector<double> increment;  ///< three a node
+    double dt = 0.0;                ///< 0: there is none
+    std::vector<double> increment;  ///< three for each node that this process owns
   };
   Guess guess() const;
-  /// Nodes of all processes; the pattern is that of this process. Of no use where the points of now have another one. The step
-  /// has begun. Collective.
+  /// The guess of a step whose nodes were those of the step that has begun (pattern_of).
   void restore(const Guess& guess);
   /// What the linear solver has kept of earlier steps is left behind: a run that goes on from here knows nothing of it either.
   void renew_solver();
@@ -113,6 +112,7 @@ private:
   bool is_fair() const;
   double prescribed_motion() const;
   bool flies_away() const;
+  std::string reason_of_flight() const;
   bool nothing_changes() const;
   void find_worst_node(StepResult& result) const;
   bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);

@@ -12,6 +12,7 @@
 #include "bc/case_lookup.hpp"
 #include "case/places.hpp"
 #include "sim/advice.hpp"
+#include "sim/body_mass.hpp"
 #include "sim/preflight.hpp"
 #include "sim/preflight_parts.hpp"
 
@@ -77,16 +78,13 @@ std::string free_motion(const Case& c, const Assembly& a) {
   return fmt::format("{}", fmt::join(words, " and "));
 }
 
-/// How much of each body's mass the nodes have, by body of the case; complete at owned nodes. Collective.
+/// Sizes of the masses that the owned nodes have of each body of the case; none of rigid ones. Collective.
 std::vector<std::vector<double>> shares_of_nodes(const World& w) {
-  const Discretisation& d = *w.discretisation;
   std::vector<std::vector<double>> share(w.spec.bodies.size());
   for (std::size_t b = 0; b < share.size(); ++b) {
     if (w.spec.bodies[b].rigid) continue;
-    NodalVector f(d.n_nodes(), Vec3::Zero());
-    d.add_body_force([&](int body, const Vec3&) { return Vec3(body == static_cast<int>(b) ? 1.0 : 0.0, 0.0, 0.0); }, f);
-    d.halo.add_to_owners(f.data()->data(), 3);
-    for (int i = 0; i < d.halo.n_owned; ++i) share[b].push_back(std::abs(f[i].x()));
+    share[b] = mass_at_nodes(*w.discretisation, static_cast<int>(b));
+    for (double& mass : share[b]) mass = std::abs(mass);
   }
   return share;
 }

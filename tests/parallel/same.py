@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same run twice, and a run that was stopped: same.py BERM [--processes 1 2 3 4] [--kills N] [--short] [--markdown FILE]
+"""The same run twice, and a run that was stopped: same.py BERM [--processes 1 2 3 4] [--kills N] [--signals N] [--short] [--markdown FILE]
 
 On the same number of processes the same case gives the same history and the same points, to the bit; so does a run that goes
 on from a checkpoint. Checksums of both are compared. Ends with 1 if any differ.
@@ -79,19 +79,24 @@ def stopped(name, overrides, n, seed):
     return checksum(whole), checksum(out)
 
 
-def killed(name, overrides, n, rng, seconds):
-    """Whether a run that is killed at a random time, with checkpoints every few steps, goes on to the end of one that was not."""
+def ended(name, overrides, n, rng, seconds, number):
+    """Checksums of a whole run and of one that gets a signal at a random time, and is gone on with then: from its last checkpoint, or anew.
+
+    A run that is not killed says in one line that it was stopped, and how to go on, unless it has not begun."""
     overrides = [*overrides, "checkpoint.every_steps=3"]
     whole = checksum(run(name, f"{name}_{n}_alive", n, overrides))
-    out = runs.fresh(f"{name}_{n}_killed")
+    out = runs.fresh(f"{name}_{n}_ended")
     process = runs.start(runs.command(name, out, n, overrides))
-    try:
+    with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(rng.uniform(0.0, seconds))
-    except subprocess.TimeoutExpired:
-        for pid in reversed(runs.descendants(process.pid)):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-    process.communicate()
+    killed = number == signal.SIGKILL
+    for pid in [*reversed(runs.descendants(process.pid)), process.pid] if killed else [process.pid]:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, number)
+    said = "".join(process.communicate(timeout=runs.TIMEOUT))
+    begun = (out / "history.csv").exists()
+    if begun and process.returncode != 0 and not killed and (process.returncode != 1 or "stopped by a signal" not in said or "--restart" not in said):
+        return whole, f"{process.returncode}: {said[-500:]}"
     file = out / "checkpoint.h5"
     complete(name, out, n, overrides, ["--restart", str(file)] if file.exists() else ["--force"])
     return whole, checksum(out)
@@ -103,6 +108,7 @@ def main():
     parser.add_argument("--processes", type=int, nargs="+", default=[1, 2, 3, 4])
     parser.add_argument("--short", action="store_true", help="two cases each on two processes")
     parser.add_argument("--kills", type=int, default=0, help="so many runs are killed at random times, on one and on two processes")
+    parser.add_argument("--signals", type=int, default=0, help="so many runs get each of the signals that stop them, likewise")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--markdown", type=pathlib.Path)
     a = parser.parse_args()
@@ -123,12 +129,14 @@ def main():
             lines.append(f"| {what} | " + " | ".join(cells) + " |")
             print(lines[-1], flush=True)
     rng = random.Random(a.seed)
-    for k in range(a.kills):
-        name, overrides = rng.choice(list(RESTARTED.values()))
-        first, second = killed(name, overrides, 1 + k % 2, rng, 4.0)
-        failed += first != second
-        lines.append(f"killed {k + 1}: {name} on {1 + k % 2}: " + ("equal" if first == second else "DIFFERS"))
-        print(lines[-1], flush=True)
+    sent = {signal.SIGKILL: a.kills, **dict.fromkeys((signal.SIGHUP, signal.SIGINT, signal.SIGTERM, signal.SIGUSR1), a.signals)}
+    for number, times in sent.items():
+        for k in range(times):
+            name, overrides = rng.choice(list(RESTARTED.values()))
+            first, second = ended(name, overrides, 1 + k % 2, rng, 4.0, number)
+            failed += first != second
+            lines.append(f"{number.name} {k + 1}: {name} on {1 + k % 2}: " + ("equal" if first == second else f"DIFFERS: {second}"))
+            print(lines[-1], flush=True)
     if a.markdown:
         a.markdown.write_text("\n".join(lines) + "\n", encoding="utf-8")
     shutil.rmtree(runs.FOLDER, ignore_errors=True)

@@ -12,7 +12,7 @@ const std::string before = R"(method = "mpm"
 cells = [12, 6]
 origin = [0, 0]
 [body.a]
-shape = { surface = "/home/a.stl" }
+shape = { surface = "/first/a.stl" }
 [pin.k]
 at = [0.0, 1.0]
 [steps]
@@ -51,7 +51,7 @@ TEST(Differences, OfTheModelAreGridAndBodiesNotWhereTheirFilesLie) {
   EXPECT_TRUE(differences(before, changed("[12, 6]", "[13, 6]")).at(0).of_the_model());
   EXPECT_TRUE(differences(before, changed("\"mpm\"", "\"fem\"")).at(0).of_the_model());
   EXPECT_TRUE(differences(before, changed("[0.0, 1.0]", "[0.0, 2.0]")).at(0).of_the_model());
-  EXPECT_FALSE(differences(before, changed("/home/a.stl", "/scratch/a.stl")).at(0).of_the_model());
+  EXPECT_FALSE(differences(before, changed("/first/a.stl", "/second/a.stl")).at(0).of_the_model());
 }
 
 TEST(Places, LinesBeginWithTheTableThatTheyName) {

@@ -1,0 +1,36 @@
+/// What a step knows of the one before it, for a run that goes on from a checkpoint.
+#include "sim/implicit_step.hpp"
+
+namespace berm {
+
+/// FNV-1a.
+std::int64_t pattern_of(const Discretisation& d) {
+  std::uint64_t hash = 14695981039346656037ull;
+  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ull; };
+  add(d.halo.n_owned);
+  for (const std::int64_t id : d.halo.ids) add(static_cast<std::uint64_t>(id));
+  for (int block = 0; block < d.blocks.size(); ++block) {
+    add(~std::uint64_t(block));
+    for (const int node : d.blocks[block]) add(static_cast<std::uint64_t>(node));
+  }
+  return static_cast<std::int64_t>(hash);
+}
+
+ImplicitStep::Guess ImplicitStep::guess() const {
+  Guess g{world_.comm.all(last_dt_ > 0.0) ? last_dt_ : 0.0, {}};
+  if (g.dt == 0.0) return g;
+  for (int node = 0; node < world_.discretisation->halo.n_owned; ++node)
+    g.increment.insert(g.increment.end(), last_du_[node].data(), last_du_[node].data() + 3);
+  return g;
+}
+
+void ImplicitStep::restore(const Guess& guess) {
+  last_du_ = no_motion();
+  for (std::size_t k = 0; k < guess.increment.size(); ++k) last_du_[k / 3][k % 3] = guess.increment[k];
+  last_dt_ = guess.dt;
+  guess_connectivity_ = world_.discretisation->connectivity;
+}
+
+void ImplicitStep::renew_solver() { connectivity_ = -1; }
+
+}  // namespace berm
