@@ -47,9 +47,12 @@ const std::map<std::string, std::pair<const char*, const char*>> tools = {
     {"sweep", {"berm.sweep", "run the variants of a sweep file and compare them"}},
     {"factor_of_safety", {"berm.factor_of_safety", "reduce the strength of a case until it fails"}}};
 
+/// An empty word is a variable of a script that was not set: the run would be another one than was meant.
+const CLI::Validator is_given([](const std::string& word) { return word.empty() ? "is empty: a variable that is not set?" : ""; }, "", "");
+
 void add_options_of_case(CLI::App* command, Words& w) {
   command->add_option("case", w.file, "case file (TOML); - reads it from standard input")->required();
-  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all();
+  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all()->check(is_given);
   command->add_flag("--allow-petsc-files", w.petsc_files, "let solver.petsc write files and set any option of PETSc");
 }
 
@@ -59,11 +62,11 @@ void add_commands(CLI::App& app, Words& w) {
 
   CLI::App* run = app.add_subcommand("run", "run a case file");
   add_options_of_case(run, w);
-  run->add_option("--out", w.out, "output folder (default: out/<name of the case>)");
+  run->add_option("--out", w.out, "output folder (default: out/<name of the case>)")->check(is_given);
   run->add_flag("--force", w.force, "replace the results of a run that came to its end");
   run->add_option("-n", w.ranks, "number of processes; the same as mpiexec -n N berm run")->check(CLI::Range(1, 1000000));
   run->add_flag("--oversubscribe", w.oversubscribe, "more processes than cores");
-  run->add_option("--restart", w.restart, "checkpoint.h5 to go on from, on any number of processes");
+  run->add_option("--restart", w.restart, "checkpoint.h5 to go on from, on any number of processes")->check(is_given);
   run->add_flag("--quiet", w.quiet, "only warnings and errors");
 
   add_options_of_case(app.add_subcommand("check", "build everything, run nothing, say what was found"), w);
@@ -167,8 +170,10 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
   }
   if (w.ranks > 1 && first)
     return run_under_mpiexec(w.ranks, arguments, w.file == from_input ? read_standard_input() : "");
+  berm::catch_signals();
   if (!first) berm::start_petsc();
   berm::RunOptions options;
+  options.listens = say_ready;
   options.restart = w.restart;
   options.folder = output_folder(w);
   options.quiet = w.quiet;
@@ -181,8 +186,16 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
   return exit_done;
 }
 
+/// PETSc and MPI cannot begin where there is no folder.
+void check_folder() {
+  std::error_code error;
+  std::filesystem::current_path(error);
+  if (error) throw berm::InputError("berm: the current folder cannot be read (" + error.message() + "): go to one that exists");
+}
+
 int run_tool(const std::string& name, std::vector<std::string> arguments) {
-  if (name != "report") arguments.insert(arguments.end(), {"--berm", own_path()});
+  const bool given = std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) { return word == "--berm" || word.starts_with("--berm="); });
+  if (name != "report" && !given) arguments.insert(arguments.end(), {"--berm", own_path()});
   return run_python(tools.at(name).first, arguments);
 }
 
@@ -205,6 +218,7 @@ int main(int argc, char** argv) {
   const std::string name = command->get_name();
   if (tools.contains(name)) return run_tool(name, command->remaining());
   return guarded([&] {
+    check_folder();
     if (name == "check") return check(w);
     if (name == "run") return run(w, {argv + 1, argv + argc});
     if (name == "schema") return print_out((w.format == "json" ? berm::schema_json() : berm::schema_markdown()) + "\n");

@@ -12,9 +12,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "streams.hpp"
@@ -32,16 +34,34 @@ constexpr rlim_t largest_file = 8'000'000;
 /// Set for the processes below mpiexec if the user sees a terminal.
 constexpr const char* terminal_variable = "BERM_TERMINAL";
 
+/// Set for the processes below mpiexec: the first one shall say when signals end the run in order.
+constexpr const char* ready_variable = "BERM_SAY_READY";
+constexpr std::string_view ready_line = "\x1e" "berm listens to signals\n";
+
 volatile pid_t mpiexec = 0;
-volatile std::sig_atomic_t signals = 0;
+volatile std::sig_atomic_t signals = 0, ready = 0;
 
 /// mpiexec itself would leave the processes one second, or whatever odls_base_sigkill_timeout says, but wait that long
-/// before it tells them anything too.
+/// before it tells them anything too. While it starts them, signals are lost or end them without a word: the first one waits.
 void pass_on(int) {
   const int error = errno;
   signals = signals + 1;
-  kill(mpiexec, signals == 1 ? SIGUSR1 : SIGTERM);
+  if (signals > 1)
+    kill(mpiexec, SIGTERM);
+  else if (ready)
+    kill(mpiexec, SIGUSR1);
   errno = error;
+}
+
+/// The processes listen: a signal that has come before is for them.
+void become_ready() {
+  sigset_t ours, before;
+  sigemptyset(&ours);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&ours, number);
+  sigprocmask(SIG_BLOCK, &ours, &before);
+  ready = 1;
+  if (signals == 1) kill(mpiexec, SIGUSR1);
+  sigprocmask(SIG_SETMASK, &before, nullptr);
 }
 
 void handle(int number) {
@@ -95,19 +115,45 @@ int file_of(const std::string& text) {
 
 /// Hands on what mpiexec prints. mpiexec itself ends a run whose reader has gone; from here on the words are then lost, and the
 /// log has them.
-void pass_on_words(int from) {
-  char words[65536];
-  for (bool heard = true;;) {
-    const ssize_t n = read(from, words, sizeof words);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return;
-    for (ssize_t done = 0; heard && done < n;) {
-      const ssize_t more = write(STDOUT_FILENO, words + done, static_cast<std::size_t>(n - done));
-      heard = more >= 0 || errno == EINTR;
-      if (!heard && errno != EPIPE)
+class Words {
+public:
+  void add(std::string_view words) {
+    if (ready) return write_out(words);
+    begun_ += words;
+    const std::size_t at = begun_.find(ready_line);
+    if (at == std::string::npos) return;
+    begun_.erase(at, ready_line.size());
+    become_ready();
+    end();
+  }
+  void end() {
+    write_out(begun_);
+    begun_.clear();
+  }
+
+private:
+  void write_out(std::string_view words) {
+    while (heard_ && !words.empty()) {
+      const ssize_t n = write(STDOUT_FILENO, words.data(), words.size());
+      if (n >= 0) words.remove_prefix(static_cast<std::size_t>(n));
+      heard_ = n >= 0 || errno == EINTR;
+      if (!heard_ && errno != EPIPE)
         say_error(fmt::format("berm: the terminal takes no more words ({}): the rest is in the log", std::strerror(errno)));
-      done += std::max<ssize_t>(more, 0);
     }
+  }
+
+  bool heard_ = true;
+  std::string begun_;  ///< what was said before the processes were ready
+};
+
+void pass_on_words(int from) {
+  char piece[65536];
+  Words words;
+  for (;;) {
+    const ssize_t n = read(from, piece, sizeof piece);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return words.end();
+    words.add({piece, static_cast<std::size_t>(n)});
   }
 }
 
@@ -133,6 +179,12 @@ int ranks_of_launcher() {
   return 1;
 }
 
+void say_ready() {
+  if (!std::getenv(ready_variable)) return;
+  std::fwrite(ready_line.data(), 1, ready_line.size(), stdout);
+  std::fflush(stdout);
+}
+
 bool user_sees_terminal() { return std::getenv(terminal_variable) != nullptr; }
 
 std::string own_path() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
@@ -156,6 +208,7 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
   setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
+  setenv(ready_variable, "1", 1);
   if (isatty(STDOUT_FILENO) == 1) setenv(terminal_variable, "1", 1);
   std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks), own_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -19,8 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from berm import words
-from berm.results import ResultError, Run
+from berm.errors import ResultError
+from berm.results import Run
 
+TOOL = "berm.compare"
 TOLERANCE = 1e-6
 NOT_JUDGED = ("newton_iterations", "residual")
 FRACTIONS = ("energy_error", "extrapolation_error")
@@ -188,7 +190,7 @@ def compare(path_a, path_b, history=TOLERANCE, points=None, before=None):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="berm.compare", description="Compares two runs that should agree.")
+    parser = argparse.ArgumentParser(prog=TOOL, description="Compares two runs that should agree.")
     parser.add_argument("a", metavar="A", help="output folder of a run")
     parser.add_argument("b", metavar="B", help="output folder of the other run")
     parser.add_argument(
@@ -209,4 +211,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    words.run(main)
+    words.run(main, TOOL)

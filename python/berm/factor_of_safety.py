@@ -8,7 +8,8 @@ the largest F at which it stands. A run has failed if it finds no equilibrium wi
 allows, or if something moves more than JUMP times as far as in the run with the lowest F that stands. F grows or falls
 from 1 until the answer lies between two values, and their distance is halved until it is at most twice TOLERANCE.
 
-Every trial is a run in DIR/F_1.2000 (default: out/<name of the case>_safety). Writes DIR/factor_of_safety.csv and .png.
+Every trial is a run in DIR/F_1.2000 (default: out/<name of the case>_safety), in the place of that of an earlier search.
+Writes DIR/factor_of_safety.csv and .png.
 Exit code 1: no factor was found; 2: the input is wrong.
 """
 
@@ -17,8 +18,6 @@ import csv
 import math
 import os
 import re
-import shutil
-import subprocess
 import sys
 import tomllib
 from dataclasses import dataclass
@@ -26,10 +25,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from berm import words
+from berm.errors import ResultError
 from berm.files import new_file
-from berm.results import ResultError, Run
-from berm.sweep import find_berm
+from berm.program import find_berm, run_case
+from berm.results import Run
 
+TOOL = "berm factor_of_safety"
 LAWS = ("mohr_coulomb", "drucker_prager")
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m2": 1.0, "kN/m2": 1e3, "MN/m2": 1e6}
 STRESS |= {"N/mm2": 1e6, "kN/mm2": 1e9}
@@ -56,7 +57,7 @@ def quantity(value, units, key):
     """A number of a case file in the bare unit: 10000.0, "10 kPa" -> 10000.0."""
     if isinstance(value, (int, float)):
         return float(value)
-    match = re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(\S+)\s*", value)
+    match = isinstance(value, str) and re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(\S+)\s*", value)
     if not match or match[2] not in units:
         raise ResultError(f"cannot read {key} = {value!r} (units: {', '.join(units)})")
     return float(match[1]) * units[match[2]]
@@ -93,6 +94,15 @@ def reduced(name, material, factor):
     return [f"material.{name}.{key}={value:.12g}" for key, value in changes.items()]
 
 
+def version_of(path):
+    """What tells a file from the one that it replaces; None if there is none."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_ino, status.st_mtime_ns
+
+
 class Search:
     def __init__(self, options, berm, out):
         self.options, self.berm, self.out = options, berm, out
@@ -112,14 +122,16 @@ class Search:
         self.materials = {name: tables[name] for name in names}
 
     def run(self, folder, overrides):
-        """Runs the case; ResultError with the program's words if it refuses the case or does not start."""
-        shutil.rmtree(folder, ignore_errors=True)
-        arguments = [self.berm, "run", self.options.case, "--out", folder]
-        for override in [*self.options.set, *overrides]:
-            arguments += ["--set", override]
-        done = subprocess.run(arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
-        if done.returncode not in (0, 1) or not os.path.isfile(os.path.join(folder, "summary.json")):
-            raise ResultError(done.stderr.strip() or f"exit code {done.returncode}")
+        """Runs the case; with the program's words ResultError if it refuses the case, NoFactor if it comes to no results."""
+        summary = os.path.join(folder, "summary.json")
+        before = version_of(summary)
+        done = run_case(self.berm, self.options.case, folder, [*self.options.set, *overrides], force=True)
+        said = done.stderr.strip() or f"exit code {done.returncode}"
+        if done.returncode == 2:
+            raise ResultError(said)
+        # One of an earlier search says nothing of this run.
+        if done.returncode not in (0, 1) or version_of(summary) in (None, before):
+            raise NoFactor(f"no results in {folder}: {said}")
         return Run(folder)
 
     def attempt(self, factor):
@@ -201,38 +213,28 @@ def safety_figure(trials, low, high):
     return figure
 
 
-def positive(text):
-    value = float(text)
-    if not (value > 0.0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
-    return value
-
-
 def main(arguments=None):
     parser = argparse.ArgumentParser(
-        prog="berm factor_of_safety", description="Factor of safety of a case by reduction of its strength."
+        prog=TOOL, description="Factor of safety of a case by reduction of its strength."
     )
     parser.add_argument("case", metavar="CASE.toml")
-    parser.add_argument("--tolerance", type=positive, default=0.02, help="half of what is left open (default 0.02)")
+    parser.add_argument("--tolerance", type=words.positive, default=0.02, help="half of what is left open (default 0.02)")
     parser.add_argument(
-        "--most", type=positive, default=10.0, metavar="F", help="the search ends at F and 1/F (default 10)"
+        "--most", type=words.positive, default=10.0, metavar="F", help="the search ends at F and 1/F (default 10)"
     )
     parser.add_argument(
-        "--jump", type=positive, default=3.0, metavar="TIMES", help="more displacement than this is failure (default 3)"
+        "--jump", type=words.positive, default=3.0, metavar="TIMES", help="more displacement than this is failure (default 3)"
     )
     parser.add_argument("--material", action="append", metavar="NAME", help="reduce this one only; may be repeated")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override a key of the case")
     parser.add_argument(
         "--berm", metavar="PATH", help="the program (default: build/release/berm of the source tree, else from PATH)"
     )
-    parser.add_argument("--out", metavar="DIR", help="default: out/<name of the case>_safety")
+    parser.add_argument("--out", type=words.given, metavar="DIR", help="default: out/<name of the case>_safety")
     options = parser.parse_args(arguments)
     name = os.path.splitext(os.path.basename(options.case))[0]
     try:
-        berm = options.berm or find_berm()
-        if not berm or not shutil.which(berm):
-            raise ResultError(f"cannot find the program {berm or 'berm'}: build it, or name it with --berm")
-        search = Search(options, berm, options.out or os.path.join("out", f"{name}_safety"))
+        search = Search(options, find_berm(options.berm), options.out or os.path.join("out", f"{name}_safety"))
         low, high = search.find()
         search.write(low, high)
     except NoFactor as error:
@@ -247,4 +249,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    words.run(main)
+    words.run(main, TOOL)

@@ -21,6 +21,7 @@ plt.rcParams.update(
     {
         "font.family": "DejaVu Sans",
         "font.size": 8.5,
+        "text.parse_math": False,  # a $ in a name is one
         "axes.titlesize": 9,
         "axes.labelsize": 8.5,
         "axes.linewidth": 0.6,

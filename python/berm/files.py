@@ -5,8 +5,8 @@ import os
 
 def new_file(path, binary=False):
     """Opens a file of its own for writing: what has that name makes way, so that nothing is written through a link to
-    somewhere else. Text has the line ends that it is given."""
+    somewhere else. Text has the line ends that it is given, and a ? where a path has bytes that are no UTF-8."""
     if os.path.islink(path) or os.path.isfile(path):
         os.remove(path)
     mode = "w" if os.path.exists(path) else "x"  # a device is written to as it is
-    return open(path, mode + "b") if binary else open(path, mode, newline="", encoding="utf-8")
+    return open(path, mode + "b") if binary else open(path, mode, newline="", encoding="utf-8", errors="replace")

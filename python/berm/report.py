@@ -3,7 +3,7 @@
     python3 -m berm.report OUT [OUT2 ...] [--out FILE] [--reference CSV] [--scale FACTOR] [--title TEXT]
 
 Writes FILE (default: report.html in the first folder), self-contained, and its pictures as PNG files next to it.
-Exit code 2: a folder is not the output of a run, or a file cannot be read.
+Exit code 1: the report cannot be written; 2: a folder is not the output of a run, or a file cannot be read.
 """
 
 import argparse
@@ -17,9 +17,11 @@ import sys
 import numpy as np
 
 from berm import words
+from berm.errors import ResultError
 from berm.files import new_file
-from berm.results import Curve, ResultError, Run, split_unit
+from berm.results import Curve, Run, split_unit
 
+TOOL = "berm report"
 STYLE = """
 body { font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222;
        max-width: 1180px; margin: 2.2em auto; padding: 0 1.5em; }
@@ -42,7 +44,7 @@ def run_labels(runs):
     """Short distinct names: the folder (its path where folders share a name), and the method where that hides it."""
     names = [run.name for run in runs]
     if len(set(names)) < len(names):
-        names = [os.path.normpath(run.path) for run in runs]
+        names = [words.readable(os.path.normpath(run.path)) for run in runs]
     labels = []
     for run, name in zip(runs, names):
         method = run.summary.get("method", "")
@@ -456,6 +458,15 @@ def read_curves(runs, files):
     return curves, refused
 
 
+def refuse_target(out):
+    """Before the pictures, which go to the same folder."""
+    folder = os.path.dirname(out) or "."
+    if not os.path.isdir(folder):
+        raise ResultError(f"cannot write {out}: there is no folder {folder} (create it, or name another file with --out)")
+    if os.path.isdir(out):
+        raise ResultError(f"cannot write {out}: it is a folder (name a file in it with --out)")
+
+
 def write_report(paths, out=None, references=(), scale=1.0, title=None):
     """Writes the report and returns its path. Raises ResultError for unusable folders and files."""
     runs = [Run(path) for path in paths]
@@ -465,41 +476,38 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
     labels = run_labels(runs)
     curves, refused = read_curves(runs, references)
     out = out or os.path.join(paths[0], "report.html")
+    refuse_target(out)
     pictures = Pictures(os.path.dirname(out) or ".")
     title = title or runs[0].summary.get("title") or runs[0].name
-    try:
-        os.makedirs(pictures.folder, exist_ok=True)
-        content = "\n".join(
-            (
-                f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
-                f"<style>{STYLE}</style></head><body>",
-                f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
-                "".join(f"<p class='note'>Not drawn: {html.escape(text)}</p>" for text in refused),
-                curves_html(runs, labels, curves, pictures),
-                times_html(runs, labels, pictures),
-                energies_html(runs, labels, pictures),
-                motion_html(runs, labels, pictures),
-                fields_html(runs, labels, scale, pictures),
-                inputs_html(runs, labels),
-                "</body></html>\n",
-            )
+    content = "\n".join(
+        (
+            f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
+            f"<style>{STYLE}</style></head><body>",
+            f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
+            "".join(f"<p class='note'>Not drawn: {html.escape(text)}</p>" for text in refused),
+            curves_html(runs, labels, curves, pictures),
+            times_html(runs, labels, pictures),
+            energies_html(runs, labels, pictures),
+            motion_html(runs, labels, pictures),
+            fields_html(runs, labels, scale, pictures),
+            inputs_html(runs, labels),
+            "</body></html>\n",
         )
-        with new_file(out) as file:
-            file.write(content)
-    except OSError as error:
-        raise ResultError(f"cannot write the report: {error}") from None
+    )
+    with new_file(out) as file:
+        file.write(words.readable(content))
     return out
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="berm report", description="Writes report.html of one or several runs.")
-    parser.add_argument("folders", nargs="+", metavar="OUT", help="output folder of a run")
-    parser.add_argument("--out", metavar="FILE", help="default: report.html in the first folder")
+    parser = argparse.ArgumentParser(prog=TOOL, description="Writes report.html of one or several runs.")
+    parser.add_argument("folders", nargs="+", type=words.given, metavar="OUT", help="output folder of a run")
+    parser.add_argument("--out", type=words.given, metavar="FILE", help="default: report.html in the first folder")
     parser.add_argument(
         "--reference", action="append", default=[], metavar="CSV", help="curve to overlay; may be repeated"
     )
     parser.add_argument(
-        "--scale", type=float, default=1.0, metavar="FACTOR", help="factor on displacements in maps (default 1)"
+        "--scale", type=words.positive, default=1.0, metavar="FACTOR", help="factor on displacements in maps (default 1)"
     )
     parser.add_argument("--title", help="default: the title of the first run")
     options = parser.parse_args(arguments)
@@ -512,4 +520,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    words.run(main)
+    words.run(main, TOOL)

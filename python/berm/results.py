@@ -6,13 +6,18 @@ run.summary["metrics"]["peak_load [N]"]
 run.last()["damage"]                   # point fields of the last points_NNNN.vtu or .pvtu
 """
 
+import codecs
+import contextlib
 import csv
-import json
 import os
 import re
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
+
+from berm.errors import ResultError
+from berm.summary import read_summary
+from berm.words import readable
 
 # SI values of the units of columns, by dimension: those of case files (src/case/units.cpp), and parts of one.
 UNITS = {
@@ -33,16 +38,16 @@ UNITS = {
     },
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
 }
-
-
-class ResultError(Exception):
-    """The folder or file is not what it should be; the message says which and why."""
+BLANK = " \t\r"
 
 
 def split_unit(header):
     """("reaction", "N") for "reaction [N]"; the unit is "" where there is none."""
-    match = re.fullmatch(r"\s*(.*?)\s*(?:\[([^\]]*)\])?\s*", header)
-    return match.group(1), match.group(2) or ""
+    header = header.strip(BLANK)
+    name, bracket, unit = header.rpartition("[")
+    if not bracket or not header.endswith("]"):
+        return header, ""
+    return name.strip(BLANK), unit[:-1].strip(BLANK)
 
 
 def read_table(path):
@@ -53,10 +58,10 @@ def read_table(path):
     try:
         with open(path, newline="", encoding="utf-8") as file:
             lines = file.read().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        rows = list(csv.reader(line for line in lines if line.strip() and not line.startswith("#")))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ResultError(f"cannot read {path}: {error}") from None
     comments = [line[1:].strip() for line in lines if line.startswith("#")]
-    rows = [row for row in csv.reader(line for line in lines if line.strip() and not line.startswith("#"))]
     if not rows:
         raise ResultError(f"{path} is empty")
     names = [split_unit(cell) for cell in rows[0]]
@@ -75,10 +80,10 @@ def read_series(path):
     """[(time, file)] of a .pvd, files with their folder."""
     try:
         root = ElementTree.parse(path).getroot()
-    except (OSError, ElementTree.ParseError) as error:
+        entries = [(float(e.get("timestep", "")), e.get("file", "")) for e in root.iter("DataSet")]
+    except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ResultError(f"cannot read {path}: {error}") from None
-    folder = os.path.dirname(path)
-    return [(float(e.get("timestep")), os.path.join(folder, e.get("file"))) for e in root.iter("DataSet")]
+    return [(time, os.path.join(os.path.dirname(path), file)) for time, file in entries]
 
 
 def read_pieces(path):
@@ -100,6 +105,19 @@ def read_pieces(path):
     return pieces
 
 
+@contextlib.contextmanager
+def silent_vtk():
+    """Without VTK's own words on standard error: they tell of its sources, not of the file."""
+    from vtkmodules.vtkCommonCore import vtkLogger
+
+    before = vtkLogger.GetCurrentVerbosityCutoff()
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(before))
+
+
 def read_grid(path):
     """The vtkUnstructuredGrid of one .vtu."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
@@ -108,11 +126,13 @@ def read_grid(path):
         raise ResultError(f"{path} does not exist")
     reader = vtkXMLUnstructuredGridReader()
     errors = []
-    reader.AddObserver("ErrorEvent", lambda *_: errors.append(path))
-    reader.SetFileName(path)
-    reader.Update()
+    for source in (reader, reader.GetExecutive()):
+        source.AddObserver("ErrorEvent", lambda *_: errors.append(path))
+    reader.SetFileName(os.fsencode(path))  # as text it must be UTF-8
+    with silent_vtk():
+        reader.Update()
     if errors:
-        raise ResultError(f"VTK cannot read {path}")
+        raise ResultError(f"VTK cannot read {path}: it is damaged or cut off (run the case again)")
     return reader.GetOutput()
 
 
@@ -186,6 +206,8 @@ def find_unit(name):
 
 def read_lines(path):
     """[(number, text)] of the lines of a text that are not empty; what is no UTF-8 is Latin-1."""
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise ResultError(f"cannot read {path}: it is no regular file (a pipe may never end: save it as CSV)")
     try:
         with open(path, "rb") as file:
             content = file.read()
@@ -193,18 +215,31 @@ def read_lines(path):
         raise ResultError(f"cannot read {path}: {error}") from None
     if b"\0" in content:
         raise ResultError(f"{path}: is no text in UTF-8 or Latin-1 (export it as CSV)")
+    content = content.removeprefix(codecs.BOM_UTF8)
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-8")
     except UnicodeDecodeError:
         text = content.decode("latin-1")
-    return [(k, line) for k, line in enumerate(re.split(r"\r\n|\r|\n", text), 1) if line.strip(" \t")]
+    return [(k, line) for k, line in enumerate(re.split(r"\r\n|\r|\n", text), 1) if line.strip(BLANK)]
 
 
 def split_cells(line, delimiter):
-    try:
-        return next(csv.reader([line], delimiter=delimiter))
-    except csv.Error as error:
-        raise ResultError(f"a line cannot be cut into cells: {error}") from None
+    """Cells may be quoted, with "" for a quote, exactly as src/case/reference_file.cpp cuts them; the csv module does not."""
+    if '"' not in line:
+        return line.split(delimiter)
+    cells, quoted, k = [""], False, 0
+    while k < len(line):
+        if quoted and line.startswith('""', k):
+            cells[-1] += '"'
+            k += 1
+        elif line[k] == '"':
+            quoted = not quoted
+        elif line[k] == delimiter and not quoted:
+            cells.append("")
+        else:
+            cells[-1] += line[k]
+        k += 1
+    return cells
 
 
 def find_delimiter(line, given):
@@ -212,12 +247,25 @@ def find_delimiter(line, given):
     return given or next((c for c in "\t;|" if len(split_cells(line, c)) > 1), ",")
 
 
+# What std::from_chars takes.
+NUMBER = re.compile(r"-?(?P<digits>[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+NAN = re.compile(r"-?nan(?:\([A-Za-z0-9_]*\))?", re.IGNORECASE)
+
+
 def find_number(cell):
-    """A decimal comma is one; NaN for an empty cell, a gap of the measurement."""
-    text = cell.strip()
+    """A decimal comma is one; NaN for an empty cell, a gap of the measurement. ValueError for what the reader of cases does not
+    take: 1_000, inf, and numbers beyond those of doubles."""
+    text = cell.strip(BLANK)
     if "." not in text and text.count(",") == 1:
         text = text.replace(",", ".")
-    return float(text) if text else np.nan
+    signless = text.removeprefix("+")
+    if not text or NAN.fullmatch(signless):
+        return np.nan
+    match = NUMBER.fullmatch(signless)
+    value = float(signless) if match else np.inf
+    if np.isinf(value) or (value == 0.0 and match["digits"].strip("0.")):
+        raise ValueError(f"{text} is no number")
+    return value
 
 
 class Curve:
@@ -242,14 +290,13 @@ class Curve:
     def __init__(self, reference):
         about = {"file": reference} if isinstance(reference, (str, os.PathLike)) else reference
         self.path = os.fspath(about["file"])
-        self.delimiter = about.get("delimiter", "")
+        self.delimiter = about.get("delimiter", "")[:1]
         lines = read_lines(self.path)
         notes = dict(line[1:].split(":", 1) for _, line in lines if line.startswith("#") and ":" in line)
         notes = {key.strip(): value.strip() for key, value in notes.items()}
         self.source = notes.get("source", "")
-        self.label = (
-            about.get("label") or notes.get("label") or os.path.splitext(os.path.basename(self.path))[0]
-        )
+        name = os.path.splitext(os.path.basename(self.path))[0]
+        self.label = readable(about.get("label") or notes.get("label") or name)
         self.lines = [(number, line) for number, line in lines if not line.startswith("#")]
         if not self.lines:
             raise ResultError(f"{self.path} is empty")
@@ -298,7 +345,7 @@ class Curve:
         return found
 
     def _standard_columns(self):
-        self._find_header(lambda cells: sum(name in self.DIMENSIONS for name, _ in cells) >= 2)
+        self._find_header(lambda cells: len({name for name, _ in cells} & set(self.DIMENSIONS)) >= 2)
         found = {}
         for k, (name, unit) in enumerate(self.cells):
             if name not in self.DIMENSIONS:
@@ -316,7 +363,7 @@ class Curve:
         try:
             return find_number(cell)
         except ValueError:
-            self._fail(line, f'"{cell.strip()}" in column "{self.cells[index][0]}" is no number')
+            self._fail(line, f'"{cell.strip(BLANK)}" in column "{self.cells[index][0]}" is no number')
 
     def _read_rows(self, found):
         """The rows with numbers in all columns."""
@@ -327,7 +374,7 @@ class Curve:
             few = len(cells) <= max(index for index, _ in found.values())
             if few and k == len(self.lines):
                 break  # cut short by a run that was killed
-            if few or any(cell.strip() for cell in cells[len(self.cells) :]):
+            if few or any(cell.strip(BLANK) for cell in cells[len(self.cells) :]):
                 self._fail(number, f"{len(cells)} cells, where the header has {len(self.cells)}")
             rows.append([self._number(number, index, cells[index]) * factor for index, factor in found.values()])
             texts += "".join(c for index, _ in found.values() for c in cells[index] if c in ".,")
@@ -351,25 +398,16 @@ class Run:
                 f"{self.path} holds no history.csv: not the output folder of a run, or the run never started"
             )
         self.history, self.units, _ = read_table(history)
-        self.summary = self._read_summary()
+        summary = os.path.join(self.path, "summary.json")
+        self.summary = read_summary(summary) if os.path.isfile(summary) else {}
         self.frames, self.mesh_frames = (
             read_series(series) if os.path.isfile(series) else []
             for series in (os.path.join(self.path, name) for name in ("points.pvd", "mesh.pvd"))
         )
 
-    def _read_summary(self):
-        path = os.path.join(self.path, "summary.json")
-        if not os.path.isfile(path):
-            return {}
-        try:
-            with open(path, encoding="utf-8") as file:
-                return json.load(file)
-        except (OSError, ValueError) as error:
-            raise ResultError(f"cannot read {path}: {error}") from None
-
     @property
     def name(self):
-        return os.path.basename(os.path.normpath(os.path.abspath(self.path)))
+        return readable(os.path.basename(os.path.normpath(os.path.abspath(self.path))))
 
     @property
     def dimension(self):
@@ -409,6 +447,8 @@ class Run:
         """{name of a rigid body: its displacement [m] at the time of a frame}, from summary.json."""
         moved = {}
         for name, instants in self.summary.get("rigid_motion", {}).items():
+            if not instants:
+                continue
             instants = np.array(instants, float).reshape(-1, 4)
             moved[name] = np.array([np.interp(time, instants[:, 0], u) for u in instants.T[1 : 1 + self.dimension]])
         return moved

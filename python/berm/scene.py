@@ -55,6 +55,8 @@ class Scene(Drawing):
         outlines, rigid = {}, []
         moved = self.run.rigid_displacements(self.frame["time"])
         for name, rings in self.run.summary.get("body_rings", {}).items():
+            if not rings:
+                continue
             rings = [np.array(ring) for ring in rings]
             if name in moved:
                 rigid.append([ring + scale * moved[name] for ring in rings])

@@ -1,8 +1,9 @@
 """Runs variants of cases and compares them.
 
-    python3 -m berm.sweep SWEEP.toml [--only NAME,NAME] [--berm PATH] [--out DIR] [--jobs N] [--short]
+    python3 -m berm.sweep SWEEP.toml [--only NAME,NAME] [--berm PATH] [--out DIR] [--jobs N] [--short] [--force]
 
-The format of SWEEP.toml is in docs/output.md. Every variant runs in DIR/NAME (default: out/<name of the sweep file>).
+The format of SWEEP.toml is in docs/output.md. Every variant runs in DIR/NAME (default: out/<name of the sweep file>), as by
+`berm run`, which replaces the results of a run that came to its end only with --force.
 Prints the metrics of all, writes DIR/sweep.csv and DIR/report.html.
 Exit code 1: a variant failed; 2: the input is wrong.
 """
@@ -10,24 +11,61 @@ Exit code 1: a variant failed; 2: the input is wrong.
 import argparse
 import concurrent.futures
 import csv
+import json
 import os
-import shutil
-import subprocess
+import re
 import sys
 import tomllib
 
 from berm import words
+from berm.errors import ResultError
 from berm.files import new_file
+from berm.program import find_berm, run_case
 from berm.report import write_report
-from berm.results import ResultError, Run
+from berm.results import Run
 
+TOOL = "berm sweep"
 KEYS = {"case": str, "set": list, "short": list}
+NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
+OWN_FILES = (".csv", ".html", ".png", ".gif")  # of the sweep itself, beside the folders of its variants
 
 
-def find_berm():
-    """The program: in the build folder of this source tree, else in PATH."""
-    built = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "build", "release", "berm")
-    return os.path.normpath(built) if os.path.isfile(built) else shutil.which("berm")
+def check_variant(name, variant):
+    """A ResultError says what is wrong with an entry of a sweep file, and where."""
+    shown = json.dumps(name, ensure_ascii=False)  # with \n and the like in one line
+    if not NAME.fullmatch(name):
+        raise ResultError(
+            f"the name {shown} of a variant must be made of letters, digits, _, - and dots, and not begin with a dot: "
+            "it is that of a folder"
+        )
+    if name.endswith(OWN_FILES):
+        ending = os.path.splitext(name)[1]
+        raise ResultError(f"the name {shown} of a variant must not end with {ending}: the sweep writes such files")
+    if not isinstance(variant, dict):
+        raise ResultError(f"the variant {name} must be a table: [variant.{name}]")
+    for key, value in variant.items():
+        if key not in KEYS:
+            raise ResultError(f"unknown key {key} in [variant.{name}] (known: {', '.join(KEYS)})")
+        if not isinstance(value, KEYS[key]) or (KEYS[key] is list and not all(isinstance(v, str) for v in value)):
+            kind = "a string" if KEYS[key] is str else "a list of strings"
+            raise ResultError(f"{key} in [variant.{name}] must be {kind}")
+    if "case" not in variant:
+        raise ResultError(f"[variant.{name}] has no case")
+
+
+def check_content(content):
+    unknown = set(content) - {"title", "variant"}
+    if unknown:
+        raise ResultError(f"unknown key {sorted(unknown)[0]} (known: title, variant)")
+    if not isinstance(content.get("title", ""), str):
+        raise ResultError("title must be a string")
+    variants = content.get("variant")
+    if not variants:
+        raise ResultError("no [variant.NAME]")
+    if not isinstance(variants, dict):
+        raise ResultError("variants must be tables with names: [variant.NAME]")
+    for name, variant in variants.items():
+        check_variant(name, variant)
 
 
 def read_sweep(path):
@@ -35,40 +73,22 @@ def read_sweep(path):
     try:
         with open(path, "rb") as file:
             content = tomllib.load(file)
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ResultError(f"cannot read {path}: {error}") from None
-    unknown = set(content) - {"title", "variant"}
-    if unknown:
-        raise ResultError(f"{path}: unknown key {sorted(unknown)[0]} (known: title, variant)")
-    variants = content.get("variant", {})
-    if not variants:
-        raise ResultError(f"{path}: no [variant.NAME]")
-    for name, variant in variants.items():
-        for key, value in variant.items():
-            if key not in KEYS:
-                raise ResultError(f"{path}: unknown key {key} in [variant.{name}] (known: {', '.join(KEYS)})")
-            if not isinstance(value, KEYS[key]) or (KEYS[key] is list and not all(isinstance(v, str) for v in value)):
-                kind = "a string" if KEYS[key] is str else "a list of strings"
-                raise ResultError(f"{path}: {key} in [variant.{name}] must be {kind}")
-        if "case" not in variant:
-            raise ResultError(f"{path}: [variant.{name}] has no case")
-        variant["case"] = os.path.join(os.path.dirname(path), variant["case"])
-    return content.get("title", os.path.basename(path)), variants
+    try:
+        check_content(content)
+    except ResultError as error:
+        raise ResultError(f"{path}: {error}") from None
+    folder, variants = os.path.dirname(path), content["variant"]
+    return content.get("title", os.path.basename(path)), {
+        name: {**variant, "case": os.path.join(folder, variant["case"])} for name, variant in variants.items()
+    }
 
 
-def command(berm, variant, out, short):
-    arguments = [berm, "run", variant["case"], "--out", out]
-    for override in variant.get("set", []) + (variant.get("short", []) if short else []):
-        arguments += ["--set", override]
-    return arguments
-
-
-def run_variant(berm, variant, out, short):
+def run_variant(berm, variant, out, options):
     """Runs one variant; returns "" or why it failed."""
-    shutil.rmtree(out, ignore_errors=True)
-    result = subprocess.run(
-        command(berm, variant, out, short), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False
-    )
+    overrides = variant.get("set", []) + (variant.get("short", []) if options.short else [])
+    result = run_case(berm, variant["case"], out, overrides, options.force)
     if result.returncode != 0:
         lines = [line for line in result.stderr.splitlines() if line.strip()]
         return f"exit code {result.returncode}" + (f": {lines[-1]}" if lines else "")
@@ -113,24 +133,25 @@ def sweep(options):
         if missing:
             raise ResultError(f"{options.sweep}: no variant {missing[0]} (there are: {', '.join(variants)})")
         variants = {name: variants[name] for name in wanted}
-    berm = options.berm or find_berm()
-    if not berm or not shutil.which(berm):
-        raise ResultError(f"cannot find the program {berm or 'berm'}: build it, or name it with --berm")
+    berm = find_berm(options.berm)
     out = options.out or os.path.join("out", os.path.splitext(os.path.basename(options.sweep))[0])
 
     failures, runs = {}, {}
     with concurrent.futures.ThreadPoolExecutor(max_workers=options.jobs) as pool:
         jobs = {
-            name: pool.submit(run_variant, berm, v, os.path.join(out, name), options.short)
-            for name, v in variants.items()
+            name: pool.submit(run_variant, berm, v, os.path.join(out, name), options) for name, v in variants.items()
         }
-        for name, job in jobs.items():
-            reason = job.result()
-            print(f"{name}: {'failed, ' + reason if reason else 'done'}", flush=True)
-            if reason:
-                failures[name] = reason
-            else:
-                runs[name] = Run(os.path.join(out, name))
+        try:
+            for name, job in jobs.items():
+                reason = job.result()
+                print(f"{name}: {'failed, ' + reason if reason else 'done'}", flush=True)
+                if reason:
+                    failures[name] = reason
+                else:
+                    runs[name] = Run(os.path.join(out, name))
+        except BaseException:  # Ctrl-C ends the sweep, not only the variants that are running
+            pool.shutdown(cancel_futures=True)
+            raise
     if runs:
         header, rows = metrics_table(runs)
         print()
@@ -147,15 +168,16 @@ def sweep(options):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="berm sweep", description="Runs variants of cases and compares them.")
+    parser = argparse.ArgumentParser(prog=TOOL, description="Runs variants of cases and compares them.")
     parser.add_argument("sweep", metavar="SWEEP.toml")
-    parser.add_argument("--only", metavar="NAME,NAME", help="these variants only")
+    parser.add_argument("--only", type=words.given, metavar="NAME,NAME", help="these variants only")
     parser.add_argument(
         "--berm", metavar="PATH", help="the program (default: build/release/berm of the source tree, else from PATH)"
     )
-    parser.add_argument("--out", metavar="DIR", help="default: out/<name of the sweep file>")
+    parser.add_argument("--out", type=words.given, metavar="DIR", help="default: out/<name of the sweep file>")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="variants at the same time (default 1)")
     parser.add_argument("--short", action="store_true", help="apply the `short` overrides of the variants")
+    parser.add_argument("--force", action="store_true", help="replace the results of runs that came to their end")
     options = parser.parse_args(arguments)
     if options.jobs < 1:
         parser.error("--jobs must be at least 1")
@@ -167,4 +189,4 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
-    words.run(main)
+    words.run(main, TOOL)

@@ -66,8 +66,8 @@ double TimeFunction::at(double t, const Vec3& x) const {
   expression_->x = origin_ + x;
   const double value = expression_->parser.Eval();
   if (!std::isfinite(value))
-    throw RunError(fmt::format("\"{}\" is {} at t = {:.6g} s, ({:.6g}, {:.6g}, {:.6g})", expression_->text, value, t,
-                               expression_->x.x(), expression_->x.y(), expression_->x.z()));
+    throw RunError(fmt::format("\"{}\" is {} at t = {:.6g} s{}", expression_->text, value, t,
+                               depends_on_place() ? fmt::format(", ({:.6g}, {:.6g}, {:.6g})", expression_->x.x(), expression_->x.y(), expression_->x.z()) : ""));
   return value;
 }
 

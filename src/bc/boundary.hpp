@@ -109,6 +109,9 @@ public:
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.
   std::string idle_boundary() const;
+  /// By contact of the case that ties, how far apart its surfaces have moved along their normal since the start, at most [m].
+  /// Collective.
+  std::map<int, double> tied_apart() const;
 
   /// What anchors keep from step to step, as rows of doubles: 0 contact, 1 pressure, 2 pins; of process 0 only: 3
   /// gauges, 4 inclined boundaries; of all: 5 dashpots, 6 held surfaces, 7 the two ends of ties.

@@ -28,7 +28,7 @@ void GridContact::begin_step(const Discretisation& d) {
 }
 
 /// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
-/// guess on.
+/// guess on. What limits friction is the pressure at t_n, or that of now where there was none: bodies that come together stick.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const Vec3& n = t.at->normal;
   const double k = t.contact.stiffness * t.at->area;
@@ -36,10 +36,11 @@ GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   Force f;
   f.pressure = trial.dot(n) - k * t.gap;
   f.shear = trial - n * n.dot(trial);
-  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.carried.dot(n));
+  const bool is_new = t.carried.isZero(0.0);
+  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, is_new ? f.pressure : t.carried.dot(n));
   f.status = t.status;
   if (t.status == Status::undecided)
-    f.status = f.pressure < 0.0 ? Status::open : size <= limit && limit > 0.0 ? Status::sticks : Status::slides;
+    f.status = f.pressure < 0.0 ? Status::open : size <= limit && (limit > 0.0 || (is_new && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
   if (f.status == Status::open) return {};
   const Mat3 nn = n * n.transpose();
   if (f.status == Status::sticks) {

@@ -47,6 +47,20 @@ std::vector<BoundaryConditions::Hold> BoundaryConditions::holds(const Discretisa
   return all;
 }
 
+std::map<int, double> BoundaryConditions::tied_apart() const {
+  std::vector<double> apart(case_.contacts.size(), 0.0);
+  const auto look = [&](int contact, const Vec3& normal, const Vec3& relative) {
+    if (contact >= 0) apart[contact] = std::max(apart[contact], normal.isZero(0.0) ? relative.norm() : std::abs(normal.dot(relative)));
+  };
+  for (const ContactPoint& p : contacts_)
+    if (case_.contacts[p.contact].kind == Contact::Kind::tie) look(p.contact, p.anchor.inward, p.anchor.u - rigid_offset_[rigid_of_contact_[p.contact]]);
+  for (const TiePoint& p : ties_.points()) look(ties_.contact_of(p), p.ends.a.inward, p.ends.b.u - p.ends.a.u);
+  std::map<int, double> by_contact;
+  for (std::size_t k = 0; k < apart.size(); ++k)
+    if (const double most = comm_.max(apart[k]); most > 0.0) by_contact[static_cast<int>(k)] = most;
+  return by_contact;
+}
+
 std::vector<std::string> BoundaryConditions::slipping() const {
   constexpr double at_the_limit = 0.999, most = 0.9;
   std::vector<double> touching(case_.contacts.size(), 0.0), sliding = touching;

@@ -209,6 +209,7 @@ SurfaceTies::SurfaceTies(const Case& c, const std::vector<Joint>& joints, double
       p.stiffness = factor * youngs / size * s.area;
       points_.push_back(p);
     }
+    contact_.push_back(joint.contact);
     stages_.push_back(joint.contact < 0 ? Stages{} : c.contacts[joint.contact].stages);
   }
   acts_.assign(stages_.size(), 1);

@@ -58,6 +58,8 @@ public:
   void commit(const NodalVector& du);
   std::vector<TiePoint>& points() { return points_; }
   const std::vector<TiePoint>& points() const { return points_; }
+  /// Of the case; -1: bodies that touch without one.
+  int contact_of(const TiePoint& p) const { return contact_[p.joint]; }
 
 private:
   Vec3 gap(const TiePoint& p, const NodalVector& du) const;
@@ -66,6 +68,7 @@ private:
   int dimension_;
   std::vector<Stages> stages_;  ///< of the joints
   std::vector<char> acts_;      ///< of the joints
+  std::vector<int> contact_;    ///< of the joints
   std::vector<TiePoint> points_;
   std::vector<AnchorPair*> pairs_;
   std::vector<Anchor> keepers_;

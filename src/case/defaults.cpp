@@ -89,12 +89,27 @@ void choose_functions(Case& c, Node& root) {
 }
 
 void choose_volumetric(Case& c, Node& root) {
-  if (is_given(root, "model", "volumetric")) return;
   const bool fits = has_boxes(c) && c.space != Space::plane_stress && c.quadrature == Quadrature::points;
-  if (!fits || has_fluid(c) || !locks(c)) return;  // a fluid has nothing against hourglass modes
+  if (c.space == Space::plane_stress || has_fluid(c) || !locks(c)) return;  // a fluid has nothing against hourglass modes
+  if (is_given(root, "model", "volumetric") || !fits) {
+    if (c.volumetric == Volumetric::standard)
+      c.choices.push_back(fmt::format("model.volumetric = \"standard\"{}: cells lock where a law flows without change of volume: too stiff, and failure "
+                                      "loads too high (a vertical cut in clay by a quarter); f_bar{} does not",
+                                      is_given(root, "model", "volumetric") ? ", as the case says" : "",
+                                      fits ? "" : ", on a grid of quads or hexahedra with quadrature = \"points\","));
+    return;
+  }
   c.volumetric = Volumetric::f_bar;
   write(c, root, "model", "volumetric",
         {"f_bar", "a law flows without change of volume, or nearly so, and would lock"});
+}
+
+void tell_locking_elements(Case& c) {
+  if (c.space == Space::plane_stress || !locks(c)) return;
+  for (const Body& b : c.bodies)
+    if (!b.rigid && b.shape && b.mesh.order == 1)
+      c.choices.push_back(fmt::format("body.{0}.mesh.order = 1: linear elements lock where a law flows without change of volume: too stiff, and failure loads "
+                                      "too high; order = 2 does not", b.name));
 }
 
 bool all_elastic_or_fluid(const Case& c) {
@@ -144,6 +159,7 @@ void choose_contact(Case& c, Node& root) {
 }  // namespace
 
 void choose_defaults(Case& c, Node& root) {
+  if (c.method == Method::fem) tell_locking_elements(c);
   if (c.method != Method::mpm || !root.find("grid")) return;  // check_case says what is missing
   choose_formulation(c, root);
   choose_volumetric(c, root);

@@ -1,6 +1,9 @@
 #include "case/differences.hpp"
 
+#include <cstdint>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <utility>
@@ -45,7 +48,8 @@ bool Difference::of_the_model() const {
   // A file may lie elsewhere now; how many points come of it is looked at too.
   static const std::regex fixed(R"(method|model\.(?!gravity|title|allow_glued).*|grid(\.(?!file).*|\[.*)?)"
                                 R"(|body\.[^.]+\.(shape(?!.*\.(file|surface)).*|mesh(?!\.file).*|points.*|material|rigid|velocity.*)|material\.[^.]+\.(law|density))"
-                                R"(|(boundary|pin|contact|pressure|absorbing|gauge)\.[^.]+\.(body|rigid|other|kind|(at|from|to|where).*))");
+                                R"(|(boundary|pin|contact|pressure|absorbing|gauge|probe)\.[^.]+\.(body|rigid|other|kind|quantity|(at|from|to|where).*))"
+                                R"(|(steps|stage\.[^.]+)\.analysis)");
   return std::regex_match(key, fixed);
 }
 
@@ -61,6 +65,19 @@ std::vector<Difference> differences(const std::string& before, const std::string
   for (const auto& [key, value] : old_values)
     if (!new_by_key.contains(key)) found.push_back({key, value, "absent"});
   return found;
+}
+
+std::string contents_of_files(const std::string& resolved) {
+  static const std::regex names_a_file(R"((.*\.)?(file|surface))");
+  std::string lines;
+  for (const auto& [key, value] : values_of(resolved)) {
+    if (!std::regex_match(key, names_a_file) || value.size() < 2 || value.front() != '"') continue;
+    std::ifstream file(value.substr(1, value.size() - 2), std::ios::binary);
+    std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
+    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) hash = (hash ^ static_cast<unsigned char>(*byte)) * 1099511628211ull;
+    lines += key + " " + std::to_string(hash) + "\n";
+  }
+  return lines;
 }
 
 }  // namespace berm

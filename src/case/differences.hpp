@@ -16,4 +16,7 @@ struct Difference {
 /// Of two texts as Case::resolved has them, in the order of `now`; what only `before` has comes last.
 std::vector<Difference> differences(const std::string& before, const std::string& now);
 
+/// A line "key number" for every file that a resolved case names: the number is another one if the file holds something else.
+std::string contents_of_files(const std::string& resolved);
+
 }  // namespace berm

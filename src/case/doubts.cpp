@@ -7,10 +7,8 @@
 #include "case/units.hpp"
 
 namespace berm {
-namespace {
 
-/// Where a key of [kind.name] stands, else the table, else nowhere.
-Place place_of(const Node& root, const std::string& kind, const std::string& name, const std::string& key) {
+Place place_in(const Node& root, const std::string& kind, const std::string& name, const std::string& key) {
   const Node::Entry* table = root.find(kind);
   if (table && !name.empty()) table = table->value.find(name);
   if (!table) return {};
@@ -18,26 +16,30 @@ Place place_of(const Node& root, const std::string& kind, const std::string& nam
   return entry ? entry->place : table->place;
 }
 
-}  // namespace
-
 void doubt_case(const Case& c, const Node& root, Problems& problems) {
   constexpr double most_gravity = 1000.0;  // a hundred times the Earth's, in a centrifuge [m/s2]
   constexpr double most_friction = 3.0;
   for (const TimeFunction& g : c.gravity.component)
     if (g.is_number() && std::abs(g.number()) > most_gravity)
-      problems.warn(place_of(root, "model", "", "gravity"), fmt::format("gravity of {:.6g} m/s2: did you mean mm/s2?", g.number()));
+      problems.warn(place_in(root, "model", "", "gravity"), fmt::format("gravity of {:.6g} m/s2: did you mean mm/s2?", g.number()));
   for (const Pressure& p : c.pressures) {
     if (!p.value.is_number()) continue;
     const std::string doubt = unit_doubt("value", Unit::stress, p.value.number());
-    if (!doubt.empty()) problems.warn(place_of(root, "pressure", p.name, "value"), doubt);
+    if (!doubt.empty()) problems.warn(place_in(root, "pressure", p.name, "value"), doubt);
   }
   for (const Contact& k : c.contacts)
     if (k.friction > most_friction)
-      problems.warn(place_of(root, "contact", k.name, "friction"),
+      problems.warn(place_in(root, "contact", k.name, "friction"),
                     fmt::format("friction = {:.6g} is a coefficient: did you mean tan({:.6g} degrees)?", k.friction, k.friction));
+  const auto is_nothing = [](const Pressure& p) {
+    const auto zero = [](const TimeFunction& f) { return f.is_number() && f.number() == 0.0; };
+    return p.traction ? std::all_of(p.traction->component.begin(), p.traction->component.end(), zero) : zero(p.value);
+  };
+  if (c.control.kind == Control::Kind::gauge && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing))
+    problems.error(place_in(root, "control", "", "kind"), "\"gauge\" scales the pressures of the case, and all are zero: give one a value");
   for (const Body& b : c.bodies)
     if (b.rigid && std::none_of(c.contacts.begin(), c.contacts.end(), [&](const Contact& k) { return k.rigid == b.name; }))
-      problems.warn(place_of(root, "body", b.name, "rigid"), fmt::format("rigid body \"{}\" touches nothing: no [contact.NAME] names it", b.name));
+      problems.warn(place_in(root, "body", b.name, "rigid"), fmt::format("rigid body \"{}\" touches nothing: no [contact.NAME] names it", b.name));
 }
 
 }  // namespace berm

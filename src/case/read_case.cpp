@@ -72,6 +72,8 @@ Case read_case(const std::string& path, const std::vector<std::string>& override
   problems.throw_if_any(path);
   doubt_case(c, root, problems);
   set_ends(c);
+  check_functions(c, root, problems);
+  problems.throw_if_any(path);
   remember_places(root, c);
   if (const Node::Entry* solver = root.find("solver"))
     if (const Node::Entry* petsc = solver->value.find("petsc")) c.petsc_place = petsc->value.place.text();

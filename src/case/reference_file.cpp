@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/utf8.hpp"
 #include "case/units.hpp"
 
 namespace berm {
@@ -57,19 +58,6 @@ Column column_of(std::string_view header) {
   if (!header.ends_with(']') || open == std::string_view::npos) return {std::string(header), ""};
   return {std::string(trimmed(header.substr(0, open))),
           std::string(trimmed(header.substr(open + 1, header.size() - open - 2)))};
-}
-
-bool is_utf8(std::string_view text) {
-  for (std::size_t k = 0; k < text.size();) {
-    const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-    const unsigned lead = byte(k);
-    const std::size_t more = lead < 0x80 ? 0 : lead >= 0xC2 && lead < 0xE0 ? 1 : lead >= 0xE0 && lead < 0xF0 ? 2 : 3;
-    if (more == 3 && (lead < 0xF0 || lead > 0xF4)) return false;
-    for (std::size_t i = 1; i <= more; ++i)
-      if ((byte(k + i) & 0xC0u) != 0x80) return false;
-    k += more + 1;
-  }
-  return true;
 }
 
 /// Text that is no UTF-8 is Latin-1, as older programs of testing machines write it.

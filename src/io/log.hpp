@@ -60,6 +60,8 @@ struct ProgressState {
   int newton_iterations = 0;
   double residual = 0.0;  ///< relative [-]
   long points = 0;
+  double work = -1.0;     ///< share of the planned steps that is done, of all stages; negative: as of the time
+  bool may_slow = false;  ///< something may still come for which steps are cut: what is left is told as "at least"
 };
 
 /// How long a run takes, by its pace lately: that since the middle of the time that has passed. The mean from the start would

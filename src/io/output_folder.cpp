@@ -69,6 +69,8 @@ FolderLock::~FolderLock() {
 }
 
 void refuse_finished(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(folder / "summary.json", error)) return;  // a pipe would never end
   std::ifstream file(folder / "summary.json");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   // As io/summary.cpp writes it; in a quoted text quotes and line ends look otherwise.

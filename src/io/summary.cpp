@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/utf8.hpp"
 #include "io/file.hpp"
 
 namespace berm {
@@ -12,7 +13,7 @@ namespace {
 
 std::string quoted(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
+  for (const char c : as_text(text)) {
     switch (c) {
       case '"':
         out += "\\\"";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/error.hpp"
 #include "base/place_text.hpp"
 #include "bc/case_lookup.hpp"
 
@@ -12,12 +13,21 @@ std::string place_text(const Case& c, const Vec3& x) { return place_text(c.origi
 
 namespace {
 
+/// Loads that vary from place to place may be there in a part of a body only: a few places stand for it.
 bool loads_from_the_start(const Case& c) {
-  const auto acts = [](const TimeFunction& f) { return !f.is_number() && !f.depends_on_place() && f.at(0.0) != 0.0; };
-  return std::any_of(c.gravity.component.begin(), c.gravity.component.end(), acts) ||
-         std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) {
-           return acts(p.value) || (p.traction && std::any_of(p.traction->component.begin(), p.traction->component.end(), acts));
-         });
+  const auto acts = [](const TimeFunction& f) {
+    const auto is_there = [&](double x) {
+      try {
+        return f.at(0.0, Vec3(x, 0.7 * x, 0.3 * x)) != 0.0;
+      } catch (const RunError&) {
+        return false;  // it has no value there
+      }
+    };
+    return !f.is_number() && (is_there(0.0) || (f.depends_on_place() && (is_there(1.0) || is_there(-1.0) || is_there(0.1))));
+  };
+  const auto any_acts = [&](const VectorFunction& f) { return std::any_of(f.component.begin(), f.component.end(), acts); };
+  return any_acts(c.gravity) || std::any_of(c.bodies.begin(), c.bodies.end(), [&](const Body& b) { return any_acts(b.acceleration); }) ||
+         std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) { return acts(p.value) || (p.traction && any_acts(*p.traction)); });
 }
 
 }  // namespace

@@ -90,6 +90,8 @@ RecorderState load_recorder(const CheckpointFile& file) {
   return s;
 }
 
+std::string files_text(const World& world) { return "of the case:\n" + world.file_contents; }
+
 /// The numbers that a checkpoint of this case must have.
 void check_case(const CheckpointFile& file, const World& world, const std::string& path, const std::vector<Difference>& changed) {
   const auto refuse = [&](const std::string& what) {
@@ -101,6 +103,8 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
   const Case& c = world.spec;
   for (const Difference& d : changed)
     if (d.of_the_model()) refuse(d.text());
+  if (file.read_text("files") != files_text(world))
+    throw InputError(fmt::format("{}: a file that the case names, a mesh or a surface, has changed since it was written: go on with the one that was", path));
   expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
   expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
   expect("boundaries:", file.read_number("boundaries"), static_cast<double>(c.boundaries.size()));
@@ -137,6 +141,7 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   const Comm& comm = world.comm;
   CheckpointFile file = CheckpointFile::create(comm, path);
   file.write_text("case", world.spec.resolved);
+  file.write_text("files", files_text(world));
   file.write_number("space", static_cast<int>(world.spec.space));
   file.write_number("bodies", static_cast<double>(world.spec.bodies.size()));
   file.write_number("boundaries", static_cast<double>(world.spec.boundaries.size()));
@@ -236,7 +241,7 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   if (as_many) restore_guess(file, world, step);
   recorder.resume(load_recorder(file));
   std::vector<std::string> sentences;
-  for (const Difference& d : changed) sentences.push_back(d.text());
+  for (const Difference& difference : changed) sentences.push_back(difference.text());
   return sentences;
 }
 

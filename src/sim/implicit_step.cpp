@@ -86,7 +86,7 @@ void ImplicitStep::prepare(Integration integration) {
     prepared_ = true;
     motion_ready_ = false;
   }
-  if (guess_connectivity_ != d.connectivity) last_dt_ = 0.0;
+  keep_guess();
   lay_out(symmetric);
 }
 
@@ -560,7 +560,6 @@ void ImplicitStep::accept() {
   bc.share_gauges();
   last_du_ = du_;
   last_dt_ = t1_ - t0_;
-  guess_connectivity_ = d.connectivity;
   last_stage_ = world_.present_stage().name;
   in_equilibrium_ = reaches_equilibrium_;
   world_.time = t1_;

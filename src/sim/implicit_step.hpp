@@ -92,6 +92,7 @@ private:
   void weigh_forces();
   NodalVector internal_force() const;
   std::vector<double> velocity_of_prescribed(double t0, double t1) const;
+  void keep_guess();
   bool first_guess(std::vector<double>& x, int& iterations, Integration integration);
   std::vector<double> unknowns_of(const NodalVector& du) const;
   NodalVector no_motion() const;
@@ -144,6 +145,7 @@ private:
   NodalVector du_, last_du_, force_, external_, pressure_, weight_, functional_;
   double last_dt_ = 0.0;
   long guess_connectivity_ = -1;             ///< whose nodes last_du_ has
+  std::int64_t guess_pattern_ = 0;           ///< of these nodes
   std::string last_stage_;                   ///< of the last step
   bool in_equilibrium_ = false, reaches_equilibrium_ = false;  ///< the state at t_n; that of the last attempt
   std::vector<double> prescribed_;

@@ -25,8 +25,10 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
 /// Of a world whose first step has begun: the same for bodies that hang on held nodes beside them. Collective.
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 
-/// Throws InputError if a body of a quasi-static first stage can move without any resistance, has fewer points than
-/// B-splines need, or if a dynamic first stage begins with a jump of a support. Collective.
-void refuse_free_bodies(const World& w);
+/// Notes parts of bodies with so few linear cells through their thickness that they would be too stiff in bending. Collective.
+void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
+
+/// Throws InputError if a body can move without any resistance in a quasi-static stage, has fewer points than B-splines need, or if a dynamic first stage begins with a jump of a support. Collective.
+void refuse_free_bodies(World& w);
 
 }  // namespace berm

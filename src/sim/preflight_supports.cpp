@@ -109,8 +109,8 @@ private:
   int count_ = 0;
 };
 
-/// Parts that share nodes, are tied or touch by contact with friction move together. Collective.
-Groups find_assemblies(const World& w, const std::vector<std::vector<double>>& share, const Pieces& pieces) {
+/// Parts that share nodes, are tied or touch by contact with friction in a stage move together. Collective.
+Groups find_assemblies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, const Pieces& pieces) {
   const Case& c = w.spec;
   const Discretisation& d = *w.discretisation;
   Groups groups(pieces.count());
@@ -118,9 +118,10 @@ Groups find_assemblies(const World& w, const std::vector<std::vector<double>>& s
     for (int i = pieces.first(a); i < pieces.end(a); ++i)
       for (int j = pieces.first(b); j < pieces.end(b); ++j) groups.join(i, j);
   };
-  for (const Joint& j : w.joints) join_bodies(j.body, j.other);
+  for (const Joint& j : w.joints)
+    if (j.contact < 0 || acts_in(c.contacts[j.contact].stages, stage)) join_bodies(j.body, j.other);
   for (const Contact& k : c.contacts)
-    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, c.stages.front().name))
+    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, stage))
       join_bodies(body_index(c, k.body), body_index(c, k.other));
   std::set<std::array<int, 2>> common;
   for (int i = 0; i < d.halo.n_owned; ++i) {
@@ -137,7 +138,7 @@ Groups find_assemblies(const World& w, const std::vector<std::vector<double>>& s
   return groups;
 }
 
-std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::vector<double>>& share, Groups& groups, const Pieces& pieces) {
+std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, Groups& groups, const Pieces& pieces) {
   const Discretisation& d = *w.discretisation;
   const Case& c = w.spec;
   std::map<int, Assembly> assemblies;
@@ -163,7 +164,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::vector<std::v
   // Without friction bodies hold each other along the normal alone.
   for (const Interface& at : d.interfaces())
     for (const Contact& k : c.contacts) {
-      if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, c.stages.front().name)) continue;
+      if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, stage)) continue;
       const int first = body_index(c, k.body), second = body_index(c, k.other);
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
       for (const int body : {first, second}) assemblies[groups.of(pieces.at(body, d.nodes[at.a]))].hold(c.space, d.nodes[at.a], at.normal);
@@ -351,33 +352,53 @@ void refuse_jumps(const World& w) {
 
 namespace {
 
-void look_at_supports(const World& w) {
+/// In the stage that the boundary conditions are in.
+void look_for_free_bodies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, Findings& found) {
   const Case& c = w.spec;
-  Findings found;
-  found.look([&] { refuse_jumps(w); });
-  const std::vector<std::vector<double>> share = shares_of_nodes(w);
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) found.look([&] { refuse_few_points(w, *mpm, share); });
-  if (c.stages.front().steps.analysis != Analysis::quasi_static) return found.throw_if_any();
   const Pieces pieces(w);
-  Groups groups = find_assemblies(w, share, pieces);
-  for (const auto& [root, assembly] : hold_assemblies(w, share, groups, pieces)) {
+  Groups groups = find_assemblies(w, stage, share, pieces);
+  for (const auto& [root, assembly] : hold_assemblies(w, stage, share, groups, pieces)) {
     if (!(assembly.low.x() <= assembly.high.x())) continue;  // without a node of its own
     const std::string motion = free_motion(c, assembly);
     if (motion.empty()) continue;
     const std::vector<std::string> names = names_of(w, groups, pieces, root);
     const bool one = names.size() == 1;
+    const std::string when = c.stages.size() > 1 ? fmt::format(" in [stage.{}]", stage) : "";
     found.look([&] {
-      throw InputError(fmt::format("{} {}, near {}, can {}: nothing holds {} there. A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
+      throw InputError(fmt::format("{} {}, near {}, can {}{}: nothing holds {} there. A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
                                    "[contact.NAME] with something that is held, or analysis = \"dynamic\"",
-                                   one ? "body" : "bodies", fmt::join(names, ", "), place_text(c, assembly.centre()), motion, one ? "it" : "them"));
+                                   one ? "body" : "bodies", fmt::join(names, ", "), place_text(c, assembly.centre()), motion, when, one ? "it" : "them"));
     });
+  }
+}
+
+/// Bodies are where they start, also where later stages are looked at.
+void look_at_supports(World& w) {
+  const Case& c = w.spec;
+  Findings found;
+  found.look([&] { refuse_jumps(w); });
+  const std::vector<std::vector<double>> share = shares_of_nodes(w);
+  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) found.look([&] { refuse_few_points(w, *mpm, share); });
+  const auto enter = [&](const std::string& stage) {
+    w.boundary->begin_stage(stage);
+    w.begin_step();
+  };
+  const std::string& first = c.stages.front().name;
+  std::vector<std::string> seen;  // what is held in the same way is wrong in the same way
+  for (const Stage& stage : c.stages) {
+    const auto like = [&](const std::string& other) { return same_act_in(c, other, stage.name); };
+    if (stage.steps.analysis != Analysis::quasi_static || std::any_of(seen.begin(), seen.end(), like)) continue;
+    seen.push_back(stage.name);
+    if (stage.name != first) enter(stage.name);
+    look_for_free_bodies(w, stage.name, share, found);
+    if (stage.name != first) enter(first);
   }
   found.throw_if_any();
 }
 
 }  // namespace
 
-void refuse_free_bodies(const World& w) {
+void refuse_free_bodies(World& w) {
   tell_places(w.spec, [&] { look_at_supports(w); });
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <ctime>
@@ -11,9 +12,12 @@
 #include "base/error.hpp"
 #include "base/shell_word.hpp"
 #include "base/system_file.hpp"
+#include "bc/case_lookup.hpp"
 #include "io/log.hpp"
 #include "io/output_folder.hpp"
+#include "law/kinds.hpp"
 #include "sim/advice.hpp"
+#include "sim/stage_doubts.hpp"
 #include "sim/checkpoint.hpp"
 #include "sim/preflight.hpp"
 #include "sim/recorder.hpp"
@@ -32,12 +36,6 @@ void interrupt(int number) {
 }
 
 constexpr const char* checkpoint_name = "checkpoint.h5";
-
-/// A session that ends takes its runs along (SIGHUP), unless nohup said otherwise.
-void catch_signals() {
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP})
-    if (std::signal(number, interrupt) == SIG_IGN && number == SIGHUP) std::signal(number, SIG_IGN);
-}
 
 /// Options of PETSc hold for the whole process: a run leaves none behind.
 struct OptionsOfPetsc {
@@ -64,6 +62,7 @@ public:
         watch_(*world_, [this](const std::string& text) { log_.warning(text); }),
         progress_(log_, start_),
         saved_(start_) {
+    cracks_may_come_ = any_law(world_->spec, is_damage) && world_->present_stage().steps.adaptive;
     refuse_free_bodies(*world_);
     log_.info(describe(*world_));
     comm_.agree([&] {
@@ -180,6 +179,8 @@ private:
     ++world_->stage;
     log_.info(fmt::format("stage {} at time {:.6g}", world_->present_stage().name, world_->time));
     step_.begin_stage();
+    if (!world_->step_begun) world_->begin_step();
+    for (const std::string& doubt : doubts_of_stage(*world_)) log_.warning(doubt);
     control_ = StepControl(world_->present_stage());
     return true;
   }
@@ -213,10 +214,20 @@ private:
       else
         control_.after_impl_ex(result.extrapolation_error);
       if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
-      progress_.update({recorder_.steps(), world_->time / world_->spec.duration(), recorder_.load(),
-                        result.iterations, result.residual, world_->n_points()});
+      progress_.update({recorder_.steps(), world_->time / world_->spec.duration(), recorder_.load(), result.iterations, result.residual,
+                        world_->n_points(), planned_share(), cracks_may_come_});
       return;
     }
+  }
+
+  /// Of the steps of all stages, those that are behind: stages need not have steps of the same size.
+  double planned_share() const {
+    double behind = 0.0, all = 0.0;
+    for (const Stage& s : world_->spec.stages) {
+      behind += s.steps.count * std::clamp((world_->time - s.begin) / s.steps.duration, 0.0, 1.0);
+      all += s.steps.count;
+    }
+    return behind / all;
   }
 
   /// What has been found when it ends a run is in its summary too.
@@ -360,15 +371,24 @@ private:
   int n_still_ = 0;                              ///< steps that stood still
   double worst_still_ = 0.0;                     ///< their largest residual
   bool rest_told_ = false;
+  bool cracks_may_come_ = false;                 ///< then steps are cut, by how much nobody knows
   std::string choice_;                           ///< of the linear solver, as last logged
 };
 
 }  // namespace
 
+/// A session that ends takes its runs along (SIGHUP), unless nohup said otherwise.
+void catch_signals() {
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP})
+    if (std::signal(number, interrupt) == SIG_IGN && number == SIGHUP) std::signal(number, SIG_IGN);
+}
+
 void run_case(Case spec, const RunOptions& given) {
   const OptionsOfPetsc petsc(spec.solver.petsc);
-  catch_signals();
+  if (!interrupted) catch_signals();
   const Comm comm = Comm::world();
+  comm.barrier();
+  if (given.listens && comm.is_root()) given.listens();
   RunOptions options = given;
   options.origin.host = host_name();
   FolderLock lock;

@@ -2,6 +2,7 @@
 /// A whole run: from a case to a filled output folder.
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "case/case.hpp"
@@ -18,7 +19,12 @@ struct RunOptions {
   /// unless there is --force. A restart goes on in any folder.
   bool replace_finished = true;
   Origin origin = {};  ///< for log and summary; the host is found out
+  std::function<void()> listens = {};  ///< called on the first process when signals end the run in good order on all
 };
+
+/// From now on SIGINT, SIGTERM, SIGUSR1 and SIGHUP (unless nohup keeps it away) end a run after its step, in good order; a second
+/// one ends it as it is. run_case calls it too; a program may do so earlier.
+void catch_signals();
 
 /// Runs the case on all processes. Throws InputError or RunError, the same on all; in the second case everything up to the
 /// last converged step has been written.

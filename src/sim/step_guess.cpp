@@ -24,11 +24,22 @@ ImplicitStep::Guess ImplicitStep::guess() const {
   return g;
 }
 
+/// The last step is of use for a guess if this one has its nodes; they may have been numbered anew and be the same. Collective.
+void ImplicitStep::keep_guess() {
+  const Discretisation& d = *world_.discretisation;
+  if (guess_connectivity_ == d.connectivity) return;
+  const std::int64_t pattern = pattern_of(d);
+  if (!world_.comm.all(pattern == guess_pattern_)) last_dt_ = 0.0;
+  guess_connectivity_ = d.connectivity;
+  guess_pattern_ = pattern;
+}
+
 void ImplicitStep::restore(const Guess& guess) {
   last_du_ = no_motion();
   for (std::size_t k = 0; k < guess.increment.size(); ++k) last_du_[k / 3][k % 3] = guess.increment[k];
   last_dt_ = guess.dt;
   guess_connectivity_ = world_.discretisation->connectivity;
+  guess_pattern_ = pattern_of(*world_.discretisation);
 }
 
 void ImplicitStep::renew_solver() { connectivity_ = -1; }

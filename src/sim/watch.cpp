@@ -100,6 +100,7 @@ void Watch::look(const ImplicitStep& step, int n_steps) {
   if (n_steps % steps_between_looks == 0) {
     look_for_overlap();
     look_for_swelling();
+    look_for_large_motion();
     look_for_smeared_cracks();
   }
 }
@@ -107,6 +108,7 @@ void Watch::look(const ImplicitStep& step, int n_steps) {
 void Watch::look_last() {
   look_for_overlap();
   look_for_swelling();
+  look_for_large_motion();
   look_for_smeared_cracks();
   if (seen.jumps > 0.0)
     warn_(fmt::format("reactions jumped by more than a tenth in {:.0f} step{} of a smooth motion{}: look at history.csv there; smaller steps "
@@ -187,6 +189,25 @@ void Watch::look_for_swelling() {
     swelling_told_ = true;
     warn_(fmt::format("\"{}\" has swollen to {:.3g} times its volume at time {:.6g}, a point to {:.3g} times: dilatancy does not end by itself{}",
                       world_.spec.bodies[slice.body].name, now / before, world_.time, most, advice_on_dilatancy(slice.law)));
+  }
+}
+
+/// What small strain leaves out is of the second order in the strains and rotations of a body as a whole. Bands and cracks, where
+/// they are large, are its own business.
+void Watch::look_for_large_motion() {
+  constexpr double told = 0.1;
+  if (motion_told_ || world_.spec.kinematics != Kinematics::small) return;
+  const MaterialState& m = world_.discretisation->material;
+  for (const Slice& slice : m.slices) {
+    double sum = 0.0, volume = 0.0;
+    for (int p = slice.begin; p < slice.end; ++p) sum += m.volume[p] * (m.F[p] - Mat3::Identity()).norm(), volume += m.volume[p];
+    sum = world_.comm.sum(sum), volume = world_.comm.sum(volume);
+    if (!(sum > told * volume)) continue;
+    motion_told_ = true;
+    warn_(fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
+                      "[model] kinematics = \"finite\"",
+                      world_.spec.bodies[slice.body].name, sum / volume, world_.time));
+    return;
   }
 }
 

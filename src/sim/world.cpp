@@ -11,6 +11,7 @@
 
 #include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/differences.hpp"
 #include "case/places.hpp"
 #include "sim/far_origin.hpp"
 #include "fem/fem.hpp"
@@ -435,6 +436,8 @@ void build(World& w) {
   if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get()))
     found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
   found.throw_if_any();
+  note_thin_parts(w, built.surface);
+  w.file_contents = contents_of_files(w.spec.resolved);
   collect_warnings(w);
 }
 

@@ -23,7 +23,7 @@ struct World {
   std::unique_ptr<Discretisation> discretisation;
   std::unique_ptr<BoundaryConditions> boundary;
   std::vector<BodySummary> bodies;
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings, notes;  ///< of the model; notes say what need not be wrong
 
   // the state at t_n besides what the points carry
   double time = 0.0;           ///< [s]
@@ -34,6 +34,7 @@ struct World {
   const Stage& present_stage() const { return spec.stages[stage]; }
   bool step_begun = false;     ///< begin_step has been called for the state at t_n
 
+  std::string file_contents;  ///< of the files that the case names, as numbers (case/differences)
   std::vector<Joint> joints;  ///< of deformable bodies that touch at the start
   std::vector<int> layers;    ///< of the grid's nodes, by body; mpm
   std::vector<BodyParts> parts;  ///< at the start, by body

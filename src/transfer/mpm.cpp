@@ -205,10 +205,18 @@ void MpmDiscretisation::find_cells() {
   });
 }
 
+/// Points of the most loaded process over the mean once they have gone to where their cells belong: wherever they are at the
+/// moment, so that a run that goes on from a checkpoint cuts the grid when the other one does.
+double MpmDiscretisation::imbalance_of_cuts() const {
+  std::vector<double> points(comm_.size(), 0.0);
+  for (const int cell : cell_) ++points[owner_of_cell(cell)];
+  comm_.sum(std::span<double>(points));
+  return Partition::imbalance(comm_, points[comm_.rank()]);
+}
+
 /// Cuts the grid anew where the points are.
 void MpmDiscretisation::share_cells(double rebalance) {
-  most_loaded_ = Partition::imbalance(comm_, static_cast<double>(x_.size()));
-  if (shared_out_ && most_loaded_ <= rebalance) return;
+  if (shared_out_ && imbalance_of_cuts() <= rebalance) return;
   std::map<int, int> points_of_cell;
   for (int c : cell_) ++points_of_cell[c];
   std::vector<Vec3> places;

@@ -144,6 +144,7 @@ private:
   void write_row(int p, double* row) const;
   void place_points(const std::vector<std::vector<double>>& rows_of_slice);
   void find_cells();
+  double imbalance_of_cuts() const;
   void share_cells(double rebalance);
   void send_points();
   // the connectivity of a step (mpm_connectivity.cpp)

@@ -152,7 +152,7 @@ def finished_run_is_kept():
 
 
 def failed_run_makes_way():
-    stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t)"')
+    stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t + 0*x)"')  # what depends on the place is not looked at before
     return wrong(berm("run", "case.toml", text=stops), 1) or wrong(berm("run", "case.toml"), 0)
 
 
@@ -198,6 +198,28 @@ def no_path():
     return ""
 
 
+def pipe_in_the_place_of_a_summary():
+    pathlib.Path("out/case").mkdir(parents=True)
+    os.mkfifo("out/case/summary.json")
+    return wrong(berm("run", "case.toml", "--quiet", timeout=60), 0)
+
+
+def folder_that_is_gone():
+    pathlib.Path("case.toml").write_text(CASE)
+    here = os.getcwd()
+    done = shell(f'mkdir gone; cd gone; rmdir ../gone; "$BERM" run {here}/case.toml --out {here}/out')
+    return wrong(done, 2, "the current folder cannot be read")
+
+
+def empty_words():
+    """As of a variable in a script that was not set: a run must not begin anew for it."""
+    if why := wrong(berm("run", "case.toml", "--set", "checkpoint.every_steps=1"), 0):
+        return why
+    before = pathlib.Path("out/case/history.csv").read_bytes()
+    why = "".join(wrong(berm("run", "case.toml", "--force", option, ""), 2, option, "is empty") for option in ("--restart", "--out", "--set"))
+    return why or ("" if pathlib.Path("out/case/history.csv").read_bytes() == before else "began anew")
+
+
 # ---- signals and streams
 
 def rows(folder):
@@ -240,6 +262,23 @@ def signals():
         if why := stopped_by(number):
             return why
     return stopped_by(signal.SIGHUP, "-n", "2", "--oversubscribe") or stopped_by(signal.SIGUSR1, "-n", "2", "--oversubscribe")
+
+
+def signals_at_the_start():
+    """While the case is read, MPI begins and the model is built. Before the program's own first line the shell says what happened."""
+    pathlib.Path("long.toml").write_text(LONG)
+    for words in ([], ["-n", "2", "--oversubscribe"]):
+        for delay in (0.1, 0.25, 0.4, 0.6):
+            shutil.rmtree("out", ignore_errors=True)
+            process = subprocess.Popen([BERM, "run", "long.toml", "--quiet", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            time.sleep(delay)
+            process.terminate()
+            out, errors = process.communicate(timeout=60)
+            if process.returncode == -signal.SIGTERM and not os.path.exists("out"):
+                continue
+            if why := wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "stopped by a signal", "--restart out/long/checkpoint.h5"):
+                return f"{words} after {delay} s: {why}"
+    return ""
 
 
 def nohup():
@@ -369,8 +408,8 @@ def progress():
     return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
 
 
-TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, failed_run_makes_way, links_are_not_followed, temporary_folder, no_path,
-         signals, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, progress]
+TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
+         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, progress]
 
 
 def main():

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What a small run writes: run.py BERM"""
 
+import json
 import pathlib
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import unittest
 import numpy as np
 
 from berm.report import write_report
-from berm.results import Run, read_grid
+from berm.results import Curve, ResultError, Run, read_grid
 
 BERM = ""
 CASE = """
@@ -50,6 +51,23 @@ LOADED = BRITTLE + """
 references = [{ file = "lab.csv", x = "u", y = "F [kN]", label = "Lab" }, { file = "lab.csv", x = "u [mm]", y = "F" }]
 nominal = { load = ["left", "right"], displacement = "left", direction = [0.0, 1.0], area = "5000 cm2" }
 """
+# (names of the columns of x and y, text): the reader of cases and that of the report must both take it, or both refuse it.
+CURVES = (
+    ("d [mm]", "F [kN]", "d [mm];F [kN]\n1;1\n2;2\n"),
+    ('a "x" [mm]', "F, max [kN]", '"a ""x"" [mm]","F, max [kN]"\n1,"1,5"\n2,2\n'),
+    ("a x [mm]", "F [kN]", '"a ""x"" [mm]",F [kN]\n1,2\n'),
+    ("a x [mm]", "F [kN]", 'a "x" [mm],F [kN]\n1,2\n'),
+    ("d [mm]", "F [kN]", '"d [mm]\n"d [mm]\n'),
+    ("d [b [mm]", "F [kN]", "d [b [mm],F [kN]\n1,2\n"),
+    ("d", "F", "d[ mm ],F [k N]\n1,2\n"),
+    ("d [mm]", "F [kN]", "\ufeffd [mm],F [kN]\r1,2\r"),
+    ("d [mm]", "F [kN]", "d\u00a0[mm],F [kN]\n1,2\n"),
+    ("d [mm]", "F [kN]", "d [mm],d [mm],F [kN]\n1,1,2\n"),
+    *(
+        ("d [mm]", "F [kN]", f"d [mm];F [kN]\n{number};1\n")
+        for number in "1_000|1e400|1e-400|1e-310|inf|nan|NaN(1)|+1|+-1|++1|1.|.5|1 000|1.000,5|0x10|\uff11|1\u00a0".split("|")
+    ),
+)
 # Without cohesion a wall of sand stands in no step, however small.
 FALLING = """
 title = "Sand that cannot stand"
@@ -127,6 +145,38 @@ class Output(unittest.TestCase):
         names = lambda field: [data.GetArray(field).GetComponentName(k) for k in range(data.GetArray(field).GetNumberOfComponents())]  # noqa: E731
         self.assertEqual(names("displacement"), ["X", "Y", "Z"])
         self.assertEqual(names("stress"), ["XX", "YY", "ZZ", "XY", "YZ", "XZ"])
+
+    def test_both_readers_of_references_agree(self):
+        for number, (x, y, text) in enumerate(CURVES):
+            file = self.path / f"curve_{number}.csv"
+            file.write_text(text, encoding="utf-8", newline="")
+            reference = f"{{ file = {json.dumps(file.name)}, x = {json.dumps(x)}, y = {json.dumps(y)} }}"
+            (self.path / "curve.toml").write_text(f"{ELASTIC}[output]\nreferences = [{reference}]\n", encoding="utf-8")
+            checked = subprocess.run([BERM, "check", "curve.toml"], cwd=self.path, capture_output=True, text=True, check=False)
+            try:
+                Curve({"file": str(file), "x": x, "y": y})
+                why = ""
+            except ResultError as error:
+                why = str(error)
+            with self.subTest(text):
+                self.assertEqual(checked.returncode, 2 if why else 0, f"{checked.stderr}\n{why}")
+
+    def sweep(self, *words):
+        return subprocess.run([BERM, "sweep", "sweep.toml", "--out", "swept", *words], cwd=self.path, capture_output=True, text=True, check=False)
+
+    def test_sweep_keeps_what_is_finished_and_what_it_did_not_write(self):
+        (self.path / "sweep.toml").write_text('[variant.a]\ncase = "elastic.toml"\n', encoding="utf-8")
+        folder = self.path / "swept" / "a"
+        folder.mkdir(parents=True)
+        (folder / "note.txt").write_text("mine", encoding="utf-8")
+        self.assertEqual(self.sweep().returncode, 0)
+        version = (folder / "history.csv").stat().st_mtime_ns
+        refused = self.sweep()
+        self.assertEqual((refused.returncode, (folder / "history.csv").stat().st_mtime_ns), (1, version))
+        self.assertIn("holds the results of a run that came to its end: --force", refused.stderr)
+        self.assertEqual(self.sweep("--force").returncode, 0)
+        self.assertGreater((folder / "history.csv").stat().st_mtime_ns, version)
+        self.assertEqual((folder / "note.txt").read_text(encoding="utf-8"), "mine")
 
     def test_report_draws_references_and_what_is_recorded(self):
         page = pathlib.Path(write_report([str(self.path / "loaded")])).read_text(encoding="utf-8")

@@ -1271,6 +1271,8 @@ class Refused(Case):
         for other, words in (
             (["grid.cells=[14, 12]"], "grid.cells[0] was 12, now it is 14"),
             (["grid.shape_functions=quadratic_bspline"], 'grid.shape_functions was'),
+            (["probe.middle.quantity=stress_xx"], 'probe.middle.quantity was "stress_yy", now it is "stress_xx"'),
+            (["steps.analysis=dynamic"], 'steps.analysis was'),
             (["model.kinematics=small"], 'model.kinematics was "finite", now it is "small"'),
             (["model.formulation=total_lagrangian"], "model.formulation was"),
             (["body.block.points.per_direction=3"], "body.block.points.per_direction was"),

@@ -29,12 +29,25 @@ GAUGE = "[gauge.NAME]\nfrom = [0.5, 0.2]\nto = TO\n"
 PROBE = '[probe.NAME]\nat = AT\nquantity = "stress_yy"\n'
 PRESSURE = '[pressure.NAME]\nbody = "a"\nwhere.box.min = MIN\nvalue = "VALUE"\n'
 FREE = "nothing holds it there"
+STAGES = "[stage.first]\ncount = 2\n[stage.second]\ncount = 2\n"
 
 # name: (case, [(table at fault, words), ...])
 MODELS = {
     "one of two parts held": (GRID + ELASTIC + PARTS + LEFT_BASE + FEW, [("body.a", "(1 of its 2 parts that are not connected)")]),
     "one of two parts held, fem": (FEM + ELASTIC + PARTS + LEFT_BASE + FEW, [("body.a", "(1 of its 2 parts that are not connected)")]),
     "two parts on rollers": (GRID + ELASTIC + PARTS + ROLLERS + FEW, [("body.a", "can move along x")]),
+    "held in the first stage only": (GRID + ELASTIC + BLOCK + BASE + 'stages = ["first"]\n' + STAGES, [("body.a", "can move along x, y and turn in [stage.second]: " + FREE)]),
+    "lets go of one direction, fem": (FEM + ELASTIC + BLOCK + ROLLERS + BASE.replace("base", "first") + 'stages = ["first"]\n' + STAGES, [("body.a", "can move along x in [stage.second]")]),
+    "pins let go, contact stays": (GRID + ELASTIC + BLOCK + PLATE + ON_PLATE.replace("KIND", "frictionless") + PIN.replace("NAME", "p").replace("AT", "[0.0, 0.0]") + 'stages = ["first"]\n' + STAGES,
+                                   [("body.a", "can move along x in [stage.second]")]),
+    "tie of the second stage": (GRID + ELASTIC + BLOCK + UPON + '[contact.c]\nbody = "a"\nother = "b"\nkind = "tie"\nstages = ["second"]\n' + BASE + STAGES,
+                                [("body.b", "in [stage.first]: " + FREE)]),
+    "a load without a value at the start": (GRID + ELASTIC + BLOCK + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace("VALUE", "1e3/t") + FEW,
+                                            [("pressure.p", "\"1e3/t\" is inf at t = 0 s")]),
+    "a motion without a value at the end": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"0.001*sqrt(0.5 - t)"') + FEW, [("boundary.top", "nan at t = ")]),
+    "a gauge and nothing to scale": (GRID + ELASTIC + BLOCK + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace('"VALUE"', "0.0")
+                                     + GAUGE.replace("NAME", "g").replace("TO", "[0.5, 0.8]") + '[control]\nkind = "gauge"\ngauge = "g"\ntarget = 0.001\n' + FEW,
+                                     [("control", "all are zero")]),
     "on rollers, fem": (FEM + ELASTIC + BLOCK + ROLLERS + FEW, [("body.a", "can move along x: " + FREE)]),
     "slides on a smooth block": (GRID + ELASTIC + BLOCK + UPON + SMOOTH + BASE + FEW, [("body.b", "can move along x: " + FREE)]),
     "slides on a smooth plate": (GRID + ELASTIC + BLOCK + PLATE + ON_PLATE.replace("KIND", "frictionless") + FEW, [("body.a", "can move along x: " + FREE)]),

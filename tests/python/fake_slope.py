@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Stands in for the program in the tests of the factor of safety: `run CASE --out DIR --set KEY=VALUE ...`.
+"""Stands in for the program in the tests of the factor of safety: `run CASE --out DIR --set KEY=VALUE ... --force`.
 
 A slope of 10 kPa and 20 degrees (in case.toml) that falls once both strengths are divided by more than 1.37 (key
-`falls_at`); with `runs_out = true` it finds equilibrium all the same, after ten times the displacement.
+`falls_at`); with `runs_out = true` it finds equilibrium all the same, after ten times the displacement. With `breaks` it writes nothing.
 """
 
 import json
@@ -17,6 +17,9 @@ assert sys.argv[1] == "run" and os.path.isfile(sys.argv[2]) and sys.argv[3] == "
 settings = dict(a.split("=", 1) for flag, a in zip(sys.argv[5::2], sys.argv[6::2]) if flag == "--set")
 if "nonsense" in settings:
     sys.exit(2)
+if "breaks" in settings:
+    sys.exit("the disk is full")
+assert sys.argv[-1] == "--force", sys.argv
 out = sys.argv[4]
 falls_at = float(settings.get("falls_at", 1.37))
 cohesion = float(settings.get("material.soil.cohesion", 10e3))

@@ -65,6 +65,18 @@ class FactorOfSafety(unittest.TestCase):
         self.assertTrue(any("times that of F = 1" in row["reason"] for row in self.rows()))
         self.assertEqual(self.find("--set", "runs_out=true", "--jump", "100")[0], 1)
 
+    def test_search_in_the_folder_of_an_earlier_one(self):
+        first = self.find()
+        note = os.path.join(self.out, "F_1.0000", "note.txt")
+        with open(note, "w", encoding="utf-8") as file:
+            file.write("mine")
+        self.assertEqual(self.find(), first)
+        self.assertTrue(os.path.isfile(note))
+        # What is there from before is not the answer of a run that came to nothing.
+        code, printed, errors = self.find("--set", "breaks=1")
+        self.assertEqual((code, printed), (1, ""))
+        self.assertRegex(errors, r"error: no results in .*F_1\.0000: the disk is full\n")
+
     def test_no_answer(self):
         code, _, errors = self.find("--set", "falls_at=1e9", "--most", "3")
         self.assertEqual(code, 1)
@@ -117,8 +129,9 @@ class Reduced(unittest.TestCase):
         self.assertEqual(self.changes(1.5, cohesion=3e4, friction_angle=0.0)["friction_angle"], 0.0)
 
     def test_units(self):
-        with self.assertRaisesRegex(ResultError, "cannot read material.s.cohesion = '1 psi'"):
-            self.changes(2.0, cohesion="1 psi", friction_angle=30.0)
+        for cohesion in ("1 psi", [1.0, 2.0]):
+            with self.assertRaisesRegex(ResultError, "cannot read material.s.cohesion = "):
+                self.changes(2.0, cohesion=cohesion, friction_angle=30.0)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@ import html.parser
 import io
 import json
 import os
+import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -58,6 +60,14 @@ def run_main(*arguments):
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         code = report.main(list(arguments))
     return code, out.getvalue(), err.getvalue()
+
+
+def run_program(*arguments, **more):
+    """As a process of its own, with a terminal that knows UTF-8 alone."""
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8:strict"}
+    return subprocess.run(
+        [sys.executable, "-m", "berm.report", *arguments], capture_output=True, timeout=120, env=environment, check=False, **more
+    )
 
 
 class ReportOfTwoRuns(unittest.TestCase):
@@ -214,9 +224,54 @@ class ReportCorners(unittest.TestCase):
         with open(file_name, "w", encoding="utf-8") as file:
             json.dump(summary, file)
         out = os.path.join(self.folder.name, "elsewhere", "r.html")
+        os.makedirs(os.path.dirname(out))
         self.assertEqual(run_main(self.path, "--out", out, "--scale", "20")[0], 0)
         self.assertIn("failed: step cut to nothing", Page(out).cells)
         self.assertTrue(os.path.isfile(os.path.join(self.folder.name, "elsewhere", "last_damage.png")))
+
+
+    def test_report_goes_where_there_is_a_folder(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
+        before = sorted(os.listdir(self.path))
+        missing = os.path.join(self.folder.name, "no", "such")
+        for out, words in ((os.path.join(missing, "x.html"), f"there is no folder {missing} (create it"), (self.path, "it is a folder (name")):
+            with self.subTest(out):
+                code, printed, errors = run_main(self.path, "--out", out)
+                self.assertEqual((code, printed, errors.count("\n")), (2, "", 1))
+                self.assertIn(f"error: cannot write {out}: {words}", errors)
+        self.assertEqual((os.listdir(self.folder.name), sorted(os.listdir(self.path))), (["run"], before))
+
+    def test_words_that_mean_nothing(self):
+        for words in (("--scale", "nan"), ("--scale", "inf"), ("--scale", "0"), ("--scale", "-1"), ("--scale", "wide"), ("--out", "")):
+            with self.subTest(words), self.assertRaises(SystemExit) as end, contextlib.redirect_stderr(io.StringIO()) as errors:
+                report.main([self.path, *words])
+            self.assertEqual(end.exception.code, 2)
+            self.assertRegex(errors.getvalue(), "is not a finite positive number|is empty: a variable that is not set")
+
+    def test_dollars_are_no_mathematics(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "$x_$"), cell=0.05, steps=10, frames=2)
+        self.assertEqual(run_main(path)[0], 0)
+
+    def test_paths_that_are_no_utf8(self):
+        path = synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
+        odd = os.path.join(self.folder.name, os.fsdecode(b"d\xe9j\xe0"))
+        os.rename(path, odd)
+        synthetic.write_reference(os.path.join(odd, os.fsdecode(b"r\xe9f.csv")))
+        done = run_program(odd, "--reference", os.path.join(odd, os.fsdecode(b"r\xe9f.csv")), "--title", os.fsdecode(b"t\xe9st"))
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertEqual(done.stdout, os.fsencode(odd) + b"/report.html\n")
+        with open(os.path.join(odd, "report.html"), encoding="utf-8") as file:
+            self.assertIn("<h1>t\ufffdst</h1>", file.read())
+        done = run_program(os.path.join(odd, "nowhere"))
+        self.assertEqual((done.returncode, done.stderr[:8 + len(os.fsencode(odd))]), (2, b"error: " + os.fsencode(odd) + b"/"))
+
+    def test_pipe_is_refused(self):
+        synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
+        pipe = os.path.join(self.folder.name, "pipe.csv")
+        os.mkfifo(pipe)
+        done = run_program(self.path, "--reference", pipe, text=True)
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1))
+        self.assertIn(f"error: cannot read {pipe}: it is no regular file", done.stderr)
 
 
 class Maps(unittest.TestCase):

@@ -1,11 +1,39 @@
+import contextlib
 import os
+import shutil
 import tempfile
 import unittest
 
 import numpy as np
 import synthetic
 
-from berm.results import Curve, ResultError, Run, read_mesh, read_points, read_table
+from berm.results import (
+    Curve,
+    ResultError,
+    Run,
+    find_number,
+    read_mesh,
+    read_points,
+    read_series,
+    read_table,
+    split_cells,
+    split_unit,
+)
+
+
+@contextlib.contextmanager
+def standard_error():
+    """[what was written to the file descriptor 2], also by libraries."""
+    said, kept = [], os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield said
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            said.append(file.read())
 
 
 class Results(unittest.TestCase):
@@ -106,7 +134,61 @@ class Results(unittest.TestCase):
         columns, units, _ = read_table(self.write("quoted.csv", '"probe:a,b [Pa]"\n5\n'))
         self.assertEqual((columns["probe:a,b"][0], units["probe:a,b"]), (5.0, "Pa"))
 
+    def test_damaged_summary_is_named(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "damaged"), cell=0.05, steps=5, frames=1)
+        for text, words in (
+            ("[]", "must hold a table, not \\[\\]"),
+            ("null", "must hold a table, not null"),
+            ('{"metrics": [1]}', '"metrics" must be a table of numbers, not \\[1\\]'),
+            ('{"metrics": {"a": "b"}}', '"metrics" must be a table of numbers'),
+            ('{"dimension": "two"}', '"dimension" must be 2 or 3, not "two"'),
+            ('{"dimension": true}', '"dimension" must be 2 or 3'),
+            ('{"title": 7}', '"title" must be a text, not 7'),
+            ('{"references": [3]}', '"references" must be a list of files'),
+            ('{"references": [{"x": "u"}]}', '"references" must be a list of files'),
+            ('{"body_rings": {"a": [[[1, "x"]]]}}', '"body_rings" must be'),
+            ('{"rigid_motion": {"a": [[1, 2, 3]]}}', '"rigid_motion" must be'),
+            ('{"title": "a"', "Expecting"),
+            (100000 * "[", "recursion"),
+        ):
+            with self.subTest(text[:40]):
+                self.write(os.path.join("damaged", "summary.json"), text)
+                with self.assertRaisesRegex(ResultError, r"^\S*/summary\.json is damaged: .*" + words + ".*remove the file") as caught:
+                    Run(path)
+                self.assertNotIn("\n", str(caught.exception))
+        self.write(os.path.join("damaged", "summary.json"), '{"title": null, "metrics": {"stress_noise [-]": null}}')
+        self.assertNotIn("title", Run(path).summary)
+
+    def test_paths_that_are_no_utf8(self):
+        path = os.path.join(self.folder.name, os.fsdecode(b"d\xe9j\xe0"))
+        shutil.copytree(self.run_path, path)
+        with open(os.path.join(path, "summary.json"), "wb") as file:
+            file.write(b'{"command": "berm run d\xe9j\xe0/case.toml", "title": "d\xe9j\xe0"}')
+        run = Run(path)
+        self.assertEqual((run.name, run.summary["title"]), ("d\ufffdj\ufffd", "d\ufffdj\ufffd"))
+        np.testing.assert_array_equal(run.last()["stress"], Run(self.run_path).last()["stress"])
+
+    def test_cut_off_points_are_refused_without_words_of_vtk(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "cut"), cell=0.05, steps=5, frames=1)
+        file_name = os.path.join(path, "points_0000.vtu")
+        with open(file_name, "rb") as file:
+            whole = file.read()
+        for part in (0.0, 0.1, 0.5, 0.9):
+            with open(file_name, "wb") as file:
+                file.write(whole[: int(part * len(whole))])
+            with self.subTest(part), standard_error() as said:
+                with self.assertRaisesRegex(ResultError, f"VTK cannot read {file_name}: it is damaged or cut off"):
+                    read_points(file_name)
+            self.assertEqual(said, [b""])
+
+    def test_series_without_times_or_files(self):
+        for entry in ('<DataSet file="a.vtu"/>', '<DataSet timestep="x" file="a.vtu"/>'):
+            with self.subTest(entry), self.assertRaisesRegex(ResultError, "cannot read .*odd.pvd"):
+                read_series(self.write("odd.pvd", f"<VTKFile><Collection>{entry}</Collection></VTKFile>"))
+
     def test_bad_files_are_named(self):
+        with self.assertRaisesRegex(ResultError, "cannot read .*long.csv: field larger"):
+            read_table(self.write("long.csv", "a [m]\n" + 200000 * "1"))
         for name, text in (("empty.csv", ""), ("words.csv", "a [m]\nx\ny\n"), ("ragged.csv", "a [m],b [m]\n1\n1,2\n")):
             with self.subTest(name), self.assertRaisesRegex(ResultError, name):
                 read_table(self.write(name, text))
@@ -118,6 +200,47 @@ class Results(unittest.TestCase):
         self.assertEqual((curve.label, curve.source), ("Experiment", "a made-up test, figure 3"))
         np.testing.assert_allclose(curve.columns["nominal_stress"], [0, 16e6, 28e6, 34e6, 30e6])
         np.testing.assert_allclose(curve.columns["nominal_strain"][-1], 2e-3)
+
+    def test_cells_and_numbers_as_in_cases(self):
+        for line, cells in (
+            ('"a ""x"" [mm]",b', ['a "x" [mm]', "b"]),
+            ('a "x" [mm],"F, max [kN]"', ["a x [mm]", "F, max [kN]"]),
+            ('"",""""', ["", '"']),
+            ('"d [mm],F', ["d [mm],F"]),
+            ('a""b,', ["ab", ""]),
+        ):
+            self.assertEqual(split_cells(line, ","), cells, line)
+        self.assertEqual(split_unit(" a [b[c ] "), ("a [b", "c"))
+        self.assertEqual(split_unit("a [x] [mm]"), ("a [x]", "mm"))
+        self.assertEqual(split_unit("one\ntwo [m]"), ("one\ntwo", "m"))
+        for text, value in (("1,5", 1.5), (" +1e3\t", 1e3), ("+-1", -1.0), (".5", 0.5), ("1.", 1.0), ("0e-999", 0.0), ("1e-310", 1e-310)):
+            self.assertEqual(find_number(text), value, text)
+        for text in ("", " ", "nan", "-NaN", "+nan", "nan(1)"):
+            self.assertTrue(np.isnan(find_number(text)), text)
+        refused = "1_000|inf|-Infinity|1e400|1e-400|\uff11|0x10|1 000|1.000,5|++1|+|.|1e|nan(a b)|1\u00a0"
+        for text in refused.split("|"):
+            with self.subTest(text), self.assertRaises(ValueError):
+                find_number(text)
+
+    def test_quotes_in_a_header(self):
+        path = self.write("quotes.csv", '"a ""x"" [mm]","F, max [kN]"\n1,"1,5"\n2,2\n')
+        curve = Curve({"file": path, "x": 'a "x" [mm]', "y": "F, max [kN]"})
+        np.testing.assert_allclose(curve.columns["reaction"], [1500.0, 2000.0])
+        path = self.write("bare.csv", 'a "x" [mm],F [kN]\n1,2\n')
+        self.assertEqual(Curve({"file": path, "x": "a x", "y": "F"}).columns["imposed_displacement"][0], 1e-3)
+
+    def test_mark_of_utf8_before_latin_1(self):
+        path = self.write("mark.csv", "")
+        with open(path, "wb") as file:
+            file.write(b"\xef\xbb\xbfu [\xb5m],F [kN]\n1,2\n")
+        self.assertAlmostEqual(Curve({"file": path, "x": "u", "y": "F"}).columns["imposed_displacement"][0], 1e-6)
+
+    def test_pipe_is_no_reference(self):
+        path = os.path.join(self.folder.name, "pipe.csv")
+        os.mkfifo(path)
+        for odd in (path, self.folder.name, "/dev/null"):
+            with self.subTest(odd), self.assertRaisesRegex(ResultError, f"cannot read {odd}: it is no regular file"):
+                Curve(odd)
 
     def test_reference_errors(self):
         with self.assertRaisesRegex(ResultError, 'one.csv:1: no column "nominal_strain".*there are "nominal_stress .Pa."'):

@@ -2,7 +2,11 @@ import contextlib
 import csv
 import io
 import os
+import signal
+import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 from berm import sweep
@@ -69,8 +73,57 @@ class Sweep(unittest.TestCase):
         self.assertIn("broken failed: exit code 1: the dam broke", errors)
         self.assertEqual(list(self.rows()), ["low", "high"])
 
+    def test_finished_runs_are_kept_without_force(self):
+        note, history = (os.path.join(self.out, "low", name) for name in ("note.txt", "history.csv"))
+        self.assertEqual(self.run_sweep(SWEEP)[0], 0)
+        with open(note, "w", encoding="utf-8") as file:
+            file.write("mine")
+        with open(history, encoding="utf-8") as file:
+            before = file.read()
+        code, _, errors = self.run_sweep(SWEEP, "--short")
+        self.assertEqual(code, 1)
+        self.assertIn("low: holds the results of a run that came to its end: --force", errors)
+        with open(history, encoding="utf-8") as file:
+            self.assertEqual(file.read(), before)
+        self.assertEqual(self.run_sweep(SWEEP, "--short", "--force")[0], 0)
+        with open(history, encoding="utf-8") as file:
+            self.assertLess(len(file.read()), len(before))
+        self.assertTrue(os.path.isfile(note))
+
+    def test_names_that_are_no_folders_of_the_sweep(self):
+        victim = os.path.join(self.folder, "victim")
+        os.makedirs(victim)
+        self.write(os.path.join("victim", "thesis.txt"), "")
+        for name in ("../victim", victim, "", "a/b", ".", "..", ".hidden", "a b,c", "a\\nb", "sweep.csv", "report.html", "peak_damage.png"):
+            with self.subTest(name):
+                code, printed, errors = self.run_sweep(f'{SWEEP}[variant."{name}"]\ncase = "case.toml"\n')
+                self.assertEqual((code, printed), (2, ""))
+                self.assertRegex(errors, r'^error: .*sweep\.toml: the name ".*" of a variant must .*\n$')
+        self.assertEqual(os.listdir(victim), ["thesis.txt"])
+        self.assertEqual(sorted(os.listdir(self.folder)), ["case.toml", "sweep.toml", "victim"])
+        self.assertEqual(self.run_sweep('[variant."-a_1.5"]\ncase = "case.toml"\n')[0], 0)
+
+    def test_interrupt_ends_the_sweep(self):
+        marks = os.path.join(self.folder, "marks")
+        os.makedirs(marks)
+        slow = self.write("slow", f'#!/bin/sh\ntouch "{marks}/$(basename "$4")"\nsleep 1\nexit 1\n')
+        os.chmod(slow, 0o755)
+        command = [sys.executable, "-m", "berm.sweep", self.write("sweep.toml", SWEEP), "--berm", slow, "--out", self.out]
+        with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+            while process.poll() is None and not os.listdir(marks):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            errors = process.communicate(timeout=60)[1]
+        self.assertEqual((process.returncode, errors, os.listdir(marks)), (1, "berm sweep: interrupted\n", ["low"]))
+
     def test_wrong_input(self):
         for text, arguments, message in (
+            ("variant = 3", (), "variants must be tables with names: [variant.NAME]"),
+            ('[[variant]]\ncase = "case.toml"\n', (), "variants must be tables with names"),
+            ("[variant]\nA = 3\n", (), "the variant A must be a table: [variant.A]"),
+            ('title = ["a"]\n[variant.a]\ncase = "case.toml"\n', (), "title must be a string"),
+            ("x = " + 5000 * "[", (), "cannot read"),
+            (SWEEP, ("--only", ","), "no variant "),
             (SWEEP, ("--only", "middle"), "no variant middle"),
             ("[variant.a]\nset = []\n", (), "has no case"),
             ("[variant.a]\ncase = 3\n", (), "must be a string"),
@@ -82,6 +135,7 @@ class Sweep(unittest.TestCase):
                 code, _, errors = self.run_sweep(text, *arguments)
                 self.assertEqual(code, 2)
                 self.assertIn(message, errors)
+        self.assertFalse(os.path.exists(self.out))
 
 
 if __name__ == "__main__":

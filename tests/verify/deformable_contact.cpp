@@ -165,6 +165,53 @@ TEST(DeformableContact, BlockIsDraggedByItsFriction) {
     }
 }
 
+/// Weight and shear come at once: bodies that have not borne anything stick all the same. A column of two blocks is one beam.
+TEST(DeformableContact, BlocksStickFromTheFirstStepOn) {
+  const std::string text = R"toml(
+model.kinematics = "small"
+grid = { origin = [-0.2, -0.2], cell_size = 0.1, cells = [16, 24] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = "1 MPa"
+poisson_ratio = 0.0
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[body.c]
+material = "m"
+shape.box = { min = [0.0, 1.0], max = [1.0, 2.0] }
+[contact.t]
+body = "b"
+other = "c"
+kind = "friction"
+friction = 0.5
+[boundary.base]
+where.box.max = [9.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[pressure.p]
+body = "c"
+where.box.min = [-9.0, 1.9999]
+traction = ["1e3*t", "-1e4*t"]
+[gauge.top]
+from = [0.5, 0.1]
+to = [0.5, 2.0]
+[steps]
+count = 5
+)toml";
+  Model m(case_by_default(text));
+  ASSERT_TRUE(m.run());
+  // Timoshenko's cantilever: F l^3 / 3 E I + F l / kappa G A.
+  const double force = 1e3, length = 2.0, sway = force * std::pow(length, 3) / (3.0 * 1e6 / 12.0) + force * length / (5.0 / 6.0 * 0.5e6);
+  EXPECT_LT(relative(m.gauge_end().x(), sway), 0.015);
+  record({"Contact on the grid", "sway of two blocks on each other, weight and shear at once [mm]", 1e3 * m.gauge_end().x(), fmt::format("{:.3g}", 1e3 * sway),
+          "1.5 %", "Timoshenko's cantilever"});
+  // Beyond Coulomb's limit nothing holds the upper one.
+  Model slides(case_by_default(text, {"contact.t.friction=0.09"}));
+  EXPECT_FALSE(slides.run());
+}
+
 /// Nothing else tells where contact does not see that bodies are in one another.
 TEST(DeformableContact, BodiesInOneAnotherAreSeen) {
   const auto overlap = [](double distance) {

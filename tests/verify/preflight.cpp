@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "driver.hpp"
 #include "sim/preflight.hpp"
@@ -245,6 +247,44 @@ TEST(Preflight, FlatCellsHaveProbesToo) {
   EXPECT_EQ(complaint("grid = { origin = [-25.0, -0.25], cell_size = [25.0, 0.25], cells = [6, 6] }\n" + material + body("a", box(0, 0, 100, 1)) +
                       base.substr(0, base.find("max")) + "max = [900.0, 1e-6] }\nux = 0.0\nuy = 0.0\n[probe.p]\nat = [50.0, 0.5]\nquantity = \"stress_yy\"\n"),
             "");
+}
+
+// Cells through a thickness.
+
+TEST(Preflight, BeamsOfFewCells) {
+  const std::string beam = body("a", box(0, 0, 2, 0.2)) + base + material;
+  const auto notes = [](const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return build_world(case_of(text, overrides))->notes;
+  };
+  // A cantilever of 2 cells is 1.12 times too stiff, one of a single cell 1.50 times.
+  const auto two = notes(grid + beam);
+  ASSERT_EQ(two.size(), 1u);
+  expect_words(two[0], {"body a is 2 cells thick", "0.2 m", "12 % too stiff"});
+  const std::vector<std::string> coarse = {"grid.cell_size=0.2", "grid.cells=[12,4]"}, fem = {"method=\"fem\""};
+  ASSERT_EQ(notes(grid + beam, coarse).size(), 1u);
+  EXPECT_NE(notes(grid + beam, coarse)[0].find("50 % too stiff"), std::string::npos);
+  EXPECT_EQ(notes(grid + beam, {"grid.angle=0.3"}).size(), 1u);
+  EXPECT_EQ(notes(grid + beam, fem).size(), 1u);
+  // Enough cells, quadratic functions, a stub, a slice between rollers.
+  EXPECT_TRUE(notes(grid + beam, {"grid.cell_size=0.05", "grid.cells=[48,12]"}).empty());
+  EXPECT_TRUE(notes(grid + beam, {"grid.shape_functions=\"b2gimp\""}).empty());
+  EXPECT_TRUE(notes(grid + beam, {fem[0], "body.a.mesh.order=2"}).empty());
+  EXPECT_TRUE(notes(grid + body("a", box(0, 0, 0.6, 0.2)) + base + material).empty());
+  const std::string rollers = "[boundary.low]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n[boundary.high]\nwhere.box = { min = [-9.0, 0.199] }\nuy = 0.0\n";
+  EXPECT_TRUE(notes(grid + body("a", box(0, 0, 2, 0.2)) + rollers + material).empty());
+}
+
+TEST(Preflight, CellsThatLock) {
+  const std::string clay = "[material.m]\nlaw = \"mohr_coulomb\"\ndensity = 2000.0\nyoungs_modulus = 1e8\npoisson_ratio = 0.49\ncohesion = 3e4\nfriction_angle = 0.0\n[steps]\ncount = 1\n";
+  const auto says = [&](const std::vector<std::string>& overrides) {
+    const Case c = case_of(grid + body("a", box(0, 0, 1, 1)) + base + clay, overrides);
+    return std::any_of(c.choices.begin(), c.choices.end(), [](const std::string& text) { return text.find(" lock where") != std::string::npos; });
+  };
+  EXPECT_FALSE(says({}));
+  EXPECT_TRUE(says({"model.volumetric=\"standard\""}));
+  EXPECT_TRUE(says({"grid.kind=\"triangles\""}));
+  EXPECT_TRUE(says({"method=\"fem\""}));
+  EXPECT_FALSE(says({"method=\"fem\"", "body.a.mesh.order=2"}));
 }
 
 }  // namespace

@@ -186,6 +186,42 @@ TEST(Watch, MetricsOfAShortRun) {
 }
 
 /// A stage in which nothing changes moves nothing; one in which a support goes does.
+TEST(Watch, LargeMotionInSmallStrain) {
+  const std::string beam = R"toml(
+model.kinematics = "small"
+grid = { origin = [-0.2, -3.0], cell_size = 0.1, cells = [26, 40] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e6
+poisson_ratio = 0.0
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [2.0, 0.4] }
+[boundary.wall]
+where.box.max = [1e-6, 9.0]
+ux = 0.0
+uy = 0.0
+[pressure.p]
+body = "b"
+where.box.min = [-9.0, 0.3999]
+value = "1e3*t"
+[steps]
+count = 2
+)toml";
+  const auto said = [&](const std::vector<std::string>& overrides) {
+    Model m(case_by_default(beam, overrides));
+    std::string text;
+    Watch watch(*m.world, [&](const std::string& warning) { text += warning; });
+    EXPECT_TRUE(m.run());
+    watch.look_last();
+    return text;
+  };
+  EXPECT_NE(said({}).find("kinematics = \"finite\""), std::string::npos);
+  EXPECT_EQ(said({"model.kinematics=\"finite\""}), "");
+  EXPECT_EQ(said({"pressure.p.value=\"50*t\""}), "");
+}
+
 TEST(AtRest, NothingMovesWhereNothingChanges) {
   const std::string text = R"toml(
 [stage.load]

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+
 #include "case/places.hpp"
 
 namespace berm {
@@ -52,6 +55,28 @@ TEST(Differences, OfTheModelAreGridAndBodiesNotWhereTheirFilesLie) {
   EXPECT_TRUE(differences(before, changed("\"mpm\"", "\"fem\"")).at(0).of_the_model());
   EXPECT_TRUE(differences(before, changed("[0.0, 1.0]", "[0.0, 2.0]")).at(0).of_the_model());
   EXPECT_FALSE(differences(before, changed("/first/a.stl", "/second/a.stl")).at(0).of_the_model());
+}
+
+TEST(Differences, OfTheModelIsWhatTheHistoryHasColumnsOf) {
+  const std::string probe = "[probe.a]\nat = [0.0, 1.0]\nquantity = \"stress_yy\"\n";
+  std::string other = probe;
+  other.replace(other.find("yy"), 2, "xx");
+  EXPECT_TRUE(differences(probe, other).at(0).of_the_model());
+  EXPECT_TRUE(differences("", probe).at(0).of_the_model());
+  EXPECT_TRUE(differences("[steps]\nanalysis = \"dynamic\"\n", "[steps]\nanalysis = \"quasi_static\"\n").at(0).of_the_model());
+}
+
+TEST(Differences, FilesThatHoldSomethingElse) {
+  const std::string path = testing::TempDir() + "mesh_of_differences.msh";
+  const auto contents = [&](const char* text) {
+    std::ofstream(path) << text;
+    return contents_of_files("[body.a]\nfile = \"" + path + "\"\n[body.b]\nmaterial = \"file\"\n");
+  };
+  const std::string one = contents("1 0 0"), two = contents("1 0 1");
+  EXPECT_EQ(one.substr(0, 12), "body.a.file ");
+  EXPECT_EQ(std::count(one.begin(), one.end(), '\n'), 1);
+  EXPECT_NE(one, two);
+  EXPECT_EQ(one, contents("1 0 0"));
 }
 
 TEST(Places, LinesBeginWithTheTableThatTheyName) {

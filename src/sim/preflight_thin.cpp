@@ -1,0 +1,135 @@
+/// Parts of bodies that have too few cells through their thickness to bend.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "sim/advice.hpp"
+#include "sim/preflight.hpp"
+
+namespace berm {
+namespace {
+
+/// A linear element as long as it is high is 1 + 1/2 times too stiff in bending (Cook, Malkus, Plesha: parasitic shear, nu = 0);
+/// n of them through the thickness, of which each has 1/n^2 of the bending stiffness by itself, 1 + 1/(2 n^2) times.
+constexpr double enough_cells = 4.0;
+constexpr double slender = 5.0;  ///< lengths of a thickness
+
+/// Places sorted into boxes.
+class Boxes {
+public:
+  Boxes(const std::vector<SurfacePoint>& surface, double width) : width_(width) {
+    for (std::size_t k = 0; k < surface.size(); ++k) pieces_[key(box(surface[k].X))].push_back(static_cast<int>(k));
+  }
+  /// Calls work with all that is within a width of x, and some more.
+  template <class Work>
+  void near(const Vec3& x, const Work& work) const {
+    const Eigen::Array3i middle = box(x);
+    for (int i = -1; i <= 1; ++i)
+      for (int j = -1; j <= 1; ++j)
+        for (int k = -1; k <= 1; ++k)
+          if (const auto found = pieces_.find(key(middle + Eigen::Array3i(i, j, k))); found != pieces_.end())
+            for (const int piece : found->second) work(piece);
+  }
+
+private:
+  Eigen::Array3i box(const Vec3& x) const { return (x / width_).array().floor().cast<int>(); }
+  static std::size_t key(const Eigen::Array3i& b) {  // two boxes of one key cost time only
+    return std::size_t(b[0]) * 73856093u ^ std::size_t(b[1]) * 19349663u ^ std::size_t(b[2]) * 83492791u;
+  }
+
+  double width_;
+  std::unordered_map<std::size_t, std::vector<int>> pieces_;
+};
+
+/// Through the body at a piece of its surface, to a parallel piece; infinite if there is none within reach.
+double thickness_at(const SurfacePoint& s, const std::vector<SurfacePoint>& surface, const Boxes& boxes, double reach) {
+  constexpr double parallel = 0.996, beside = 0.75;  // cosine of 5 degrees; lengths of a piece
+  double thickness = infinity;
+  boxes.near(s.X, [&](int k) {
+    const SurfacePoint& t = surface[k];
+    if (t.body != s.body || -t.normal.dot(s.normal) < parallel) return;
+    const Vec3 way = t.X - s.X;
+    const double through = -way.dot(s.normal);
+    if (through > 0.0 && through < reach && (way + through * s.normal).norm() <= beside * std::max(s.size, t.size))
+      thickness = std::min(thickness, through);
+  });
+  return thickness;
+}
+
+/// Of a cell along a direction [m].
+double width_along(const World& w, const Vec3& direction) {
+  const auto* grid = std::get_if<StructuredGrid>(&w.spec.grid);
+  if (w.spec.method == Method::fem || !grid) return w.discretisation->cell_size();
+  const Mat3 own = Eigen::AngleAxisd(-grid->angle, Vec3::UnitZ()).toRotationMatrix();
+  return 1.0 / (own * direction).cwiseQuotient(grid->cell_size).head(w.spec.dimension()).norm();
+}
+
+bool bends_as_it_should(const World& w, int body) {
+  const Case& c = w.spec;
+  if (c.method == Method::fem) return c.bodies[body].mesh.order == 2;
+  return c.shape_functions == ShapeFunctions::quadratic_bspline || c.shape_functions == ShapeFunctions::cubic_bspline || c.shape_functions == ShapeFunctions::b2gimp;
+}
+
+/// A place where a body is thin.
+struct Thin {
+  Vec3 at, normal;
+  double thickness, cells;
+};
+
+/// A slice between planes of symmetry does not bend: most of it is held on both sides. Collective.
+bool is_slice(const World& w, const std::vector<const Thin*>& part) {
+  constexpr double along = 0.99;
+  constexpr std::size_t samples = 20;
+  const double reach = longest_edge(w.discretisation->mesh());
+  const std::vector<BoundaryConditions::Hold> holds = w.boundary->holds(*w.discretisation);
+  const auto is_held = [&](const Vec3& side, const Vec3& normal) {
+    return w.comm.any(std::any_of(holds.begin(), holds.end(), [&](const BoundaryConditions::Hold& hold) {
+      return std::abs(hold.direction.dot(normal)) > along && (hold.at - side).norm() < reach;
+    }));
+  };
+  std::size_t looked_at = 0, held = 0;
+  for (std::size_t k = 0; k < part.size(); k += 1 + part.size() / samples) {
+    const Vec3 half = 0.5 * part[k]->thickness * part[k]->normal;
+    const bool first = is_held(part[k]->at + half, part[k]->normal), second = is_held(part[k]->at - half, part[k]->normal);
+    ++looked_at, held += first && second;
+  }
+  return 2 * held > looked_at;
+}
+
+}  // namespace
+
+void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface) {
+  const double reach = enough_cells * longest_edge(w.discretisation->mesh());
+  const Boxes boxes(surface, reach);
+  std::vector<std::vector<Thin>> thin(w.spec.bodies.size());
+  for (const SurfacePoint& s : surface) {
+    if (bends_as_it_should(w, s.body)) continue;
+    const double thickness = thickness_at(s, surface, boxes, reach), cells = thickness / width_along(w, s.normal);
+    if (cells < enough_cells - 0.01) thin[s.body].push_back({s.X - 0.5 * thickness * s.normal, s.normal, thickness, cells});
+  }
+  for (std::size_t b = 0; b < thin.size(); ++b) {
+    if (thin[b].empty()) continue;
+    std::vector<Vec3> places;
+    for (const Thin& t : thin[b]) places.push_back(t.at);
+    const BodyParts parts(places, reach);
+    std::vector<std::vector<const Thin*>> of_part(parts.count());
+    for (const Thin& t : thin[b]) of_part[parts.of(t.at)].push_back(&t);
+    for (const std::vector<const Thin*>& part : of_part) {
+      if (part.empty()) continue;
+      Vec3 low = Vec3::Constant(infinity), high = -low;
+      for (const Thin* t : part) low = low.cwiseMin(t->at), high = high.cwiseMax(t->at);
+      const Thin* thinnest = *std::min_element(part.begin(), part.end(), [](const Thin* s, const Thin* t) { return s->cells < t->cells; });
+      const double length = (high - low).norm();
+      if (length < slender * thinnest->thickness || is_slice(w, part)) continue;
+      w.notes.push_back(fmt::format("body {} is {:.3g} cells thick near {} ({:.4g} m, over {:.4g} m): where it bends, linear functions make it about {:.0f} % too "
+                                    "stiff; {:.0f} cells, or quadratic functions, do not",
+                                    w.spec.bodies[b].name, thinnest->cells, place_text(w.spec, thinnest->at), thinnest->thickness, length,
+                                    50.0 / std::pow(std::max(thinnest->cells, 1.0), 2), enough_cells));
+    }
+  }
+}
+
+}  // namespace berm
