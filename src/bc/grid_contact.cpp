@@ -15,12 +15,21 @@ Vec3 GridContact::carried(const Discretisation& d, const Interface& at) const {
   return found == carried_.end() ? Vec3(Vec3::Zero()) : found->second;
 }
 
+/// Whether the bodies of a contact pressed each other at t_n.
+bool GridContact::bears(const FieldContact& c) const {
+  return std::any_of(carried_.begin(), carried_.end(), [&](const auto& entry) { return entry.first.second == c.field_b; });
+}
+
 void GridContact::begin_step(const Discretisation& d) {
   touches_.clear();
+  std::vector<char> bore;
+  for (const FieldContact& c : contacts_) bore.push_back(bears(c));
   for (const Interface& at : d.interfaces())
-    for (const FieldContact& c : contacts_) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      const FieldContact& c = contacts_[k];
       if (c.field_a != at.field_a || c.field_b != at.field_b || at.normal.isZero(0.0)) continue;
       Touch t{&at, c, carried(d, at), at.gap};
+      t.meets = !bore[k];
       // What touched at t_n has no gap: the one seen by the points is only an estimate.
       if (!t.carried.isZero(0.0)) t.gap = 0.0;
       touches_.push_back(t);
@@ -28,7 +37,8 @@ void GridContact::begin_step(const Discretisation& d) {
 }
 
 /// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
-/// guess on. What limits friction is the pressure at t_n, or that of now where there was none: bodies that come together stick.
+/// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together; where they move on to other nodes it would
+/// count twice, there and at those that they leave.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const Vec3& n = t.at->normal;
   const double k = t.contact.stiffness * t.at->area;
@@ -36,11 +46,10 @@ GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   Force f;
   f.pressure = trial.dot(n) - k * t.gap;
   f.shear = trial - n * n.dot(trial);
-  const bool is_new = t.carried.isZero(0.0);
-  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, is_new ? f.pressure : t.carried.dot(n));
+  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.meets ? f.pressure : t.carried.dot(n));
   f.status = t.status;
   if (t.status == Status::undecided)
-    f.status = f.pressure < 0.0 ? Status::open : size <= limit && (limit > 0.0 || (is_new && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
+    f.status = f.pressure < 0.0 ? Status::open : size <= limit && (limit > 0.0 || (t.meets && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
   if (f.status == Status::open) return {};
   const Mat3 nn = n * n.transpose();
   if (f.status == Status::sticks) {

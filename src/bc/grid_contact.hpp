@@ -53,6 +53,7 @@ private:
     FieldContact contact;
     Vec3 carried;  ///< force of a on b at t_n
     double gap;
+    bool meets = false;                 ///< the bodies did not press each other anywhere at t_n
     Status status = Status::undecided;  ///< or frozen
     Vec3 shear = Vec3::Zero();          ///< of a frozen one that slides
   };
@@ -63,6 +64,7 @@ private:
     Mat3 stiffness = Mat3::Zero();
   };
   Vec3 carried(const Discretisation& d, const Interface& at) const;
+  bool bears(const FieldContact& c) const;
   static Force force_at(const Touch& t, const Vec3& relative);
 
   std::vector<FieldContact> contacts_;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <numbers>
 #include <utility>
 
 #include "base/error.hpp"
@@ -208,6 +209,7 @@ private:
         worst_still_ = std::max(worst_still_, result.residual);
       }
       watch(result);
+      if (result.time_error > 0.0) time_errors_.push_back(result.time_error);
       recorder_.record(result, integration);
       if (integration == Integration::implicit)
         control_.after_implicit(result.iterations, result.time_error);
@@ -303,6 +305,7 @@ private:
       log_.info(fmt::format("{} steps ended where the residual no longer fell, at most {:.1e} of the forces: states of "
                             "contact or yielding that come and go",
                             n_still_, worst_still_));
+    tell_long_steps();
     if (watch_.seen.columns > 0.0)
       log_.info("cracks              of a law with a crack band: their path follows the lines of the grid. Before trusting it, turn the grid "
                 "(grid.angle, mesh.size) and compare");
@@ -316,6 +319,20 @@ private:
                             double(n.iterations) / n.solves, n.fallbacks));
     tell_unused_options();
     tell_where();
+  }
+
+  /// The error of a step with the period T of its motion is (2 pi dt / T)^2 / 12.   [dynamics (16)]
+  void tell_long_steps() {
+    constexpr std::size_t enough = 5;
+    constexpr double few = 10.0, good = 20.0;  // steps a period
+    if (time_errors_.size() < enough) return;
+    const auto middle = time_errors_.begin() + time_errors_.size() / 2;
+    std::nth_element(time_errors_.begin(), middle, time_errors_.end());
+    const double a_period = 2.0 * std::numbers::pi / std::sqrt(12.0 * *middle);
+    if (a_period < few)
+      log_.info(fmt::format("steps in motion      are long: half of them have less than {:.2g} a period of what moves, which damps it or shifts its phase. Where that "
+                            "matters take {:.2g} times as many (steps.count), or [dynamics] error_tolerance = 0.005",
+                            a_period, good / a_period));
   }
 
   void tell_unused_options() {
@@ -370,6 +387,7 @@ private:
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
   int n_still_ = 0;                              ///< steps that stood still
   double worst_still_ = 0.0;                     ///< their largest residual
+  std::vector<double> time_errors_;              ///< of the steps in motion
   bool rest_told_ = false;
   bool cracks_may_come_ = false;                 ///< then steps are cut, by how much nobody knows
   std::string choice_;                           ///< of the linear solver, as last logged

@@ -277,12 +277,12 @@ TEST(Preflight, BeamsOfFewCells) {
 TEST(Preflight, CellsThatLock) {
   const std::string clay = "[material.m]\nlaw = \"mohr_coulomb\"\ndensity = 2000.0\nyoungs_modulus = 1e8\npoisson_ratio = 0.49\ncohesion = 3e4\nfriction_angle = 0.0\n[steps]\ncount = 1\n";
   const auto says = [&](const std::vector<std::string>& overrides) {
-    const Case c = case_of(grid + body("a", box(0, 0, 1, 1)) + base + clay, overrides);
+    const Case c = case_by_default(grid + body("a", box(0, 0, 1, 1)) + base + clay, overrides);
     return std::any_of(c.choices.begin(), c.choices.end(), [](const std::string& text) { return text.find(" lock where") != std::string::npos; });
   };
   EXPECT_FALSE(says({}));
   EXPECT_TRUE(says({"model.volumetric=\"standard\""}));
-  EXPECT_TRUE(says({"grid.kind=\"triangles\""}));
+  EXPECT_TRUE(says({"grid.kind=\"triangles_right\""}));
   EXPECT_TRUE(says({"method=\"fem\""}));
   EXPECT_FALSE(says({"method=\"fem\"", "body.a.mesh.order=2"}));
 }
