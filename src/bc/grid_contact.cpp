@@ -20,6 +20,10 @@ bool GridContact::bears(const FieldContact& c) const {
   return std::any_of(carried_.begin(), carried_.end(), [&](const auto& entry) { return entry.first.second == c.field_b; });
 }
 
+bool GridContact::some_meet() const {
+  return std::any_of(contacts_.begin(), contacts_.end(), [&](const FieldContact& c) { return c.friction > 0.0 && !bears(c); });
+}
+
 void GridContact::begin_step(const Discretisation& d) {
   touches_.clear();
   std::vector<char> bore;
@@ -29,7 +33,7 @@ void GridContact::begin_step(const Discretisation& d) {
       const FieldContact& c = contacts_[k];
       if (c.field_a != at.field_a || c.field_b != at.field_b || at.normal.isZero(0.0)) continue;
       Touch t{&at, c, carried(d, at), at.gap};
-      t.meets = !bore[k];
+      t.meets = at_once_ && !bore[k];
       // What touched at t_n has no gap: the one seen by the points is only an estimate.
       if (!t.carried.isZero(0.0)) t.gap = 0.0;
       touches_.push_back(t);

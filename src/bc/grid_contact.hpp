@@ -27,6 +27,10 @@ public:
 
   /// The interfaces of the coming step. Before the four that follow.
   void begin_step(const Discretisation& d);
+  /// Whether friction acts in the step in which bodies meet; else from the next one on. For the next begin_step.
+  void stick_at_once(bool yes) { at_once_ = yes; }
+  /// Bodies with friction that did not press each other at t_n. The same on all processes.
+  bool some_meet() const;
   /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
   void freeze(const NodalVector& du);
   /// How far the forces at du are from those of a contact that is not frozen, over the latter [-]. Collective.
@@ -70,6 +74,7 @@ private:
   std::vector<FieldContact> contacts_;
   std::map<std::pair<std::int64_t, int>, Vec3> carried_;  ///< by node of field a, and field b
   std::vector<Touch> touches_;                            ///< of the step
+  bool at_once_ = true;
 };
 
 }  // namespace berm

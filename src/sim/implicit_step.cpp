@@ -443,6 +443,30 @@ bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<do
   return newton.converged;
 }
 
+/// From a guess of the unknowns.
+NewtonResult ImplicitStep::find_equilibrium(std::vector<double>& x, double tolerance, double scale, StepResult& result) {
+  const std::vector<double> guess = x;
+  NewtonResult newton;
+  const std::vector<Attempt> tries = attempts(world_.present_stage().solver);
+  for (const Attempt& attempt : tries) {
+    x = guess;
+    world_.boundary->grid_contact().begin_step(*world_.discretisation);
+    newton = solve(x, tolerance, attempt);
+    result.iterations += newton.iterations;
+    if (newton.converged && !is_fair()) {
+      newton.converged = false;
+      newton.reason = "bodies part, stick or slide otherwise than assumed in the step";
+    }
+    if (newton.converged) break;
+    const bool last = &attempt == &tries.back();
+    if ((newton.stood_still || last) && take_still(newton, still_tolerance(world_.spec) * scale, x)) {
+      result.stood_still = true;
+      break;
+    }
+  }
+  return newton;
+}
+
 StepResult ImplicitStep::attempt(double dt, Integration integration) {
   prepare(integration);
   n_unknowns_ = world_.boundary->n_free() + (gauge_ >= 0 ? 1 : 0);
@@ -461,6 +485,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
 
   StepResult result;
   std::vector<double> x, r;
+  world_.boundary->grid_contact().stick_at_once(true);
   world_.boundary->grid_contact().begin_step(*world_.discretisation);
   if (integration == Integration::implicit && nothing_changes() && residual(std::vector<double>(n_mine(), 0.0), r)) {
     result.residual = norm(r) / std::max(force_scale_, 1e-300);
@@ -495,23 +520,12 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double scale = force_scale_;
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
-  NewtonResult newton;
-  const std::vector<Attempt> tries = attempts(s);
-  for (const Attempt& attempt : tries) {
+  NewtonResult newton = find_equilibrium(x, tolerance, scale, result);
+  if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && contact.some_meet()) {
+    // Bodies that are laid down may stick, slide and part in turn: without friction for one step, as where they move on.
+    contact.stick_at_once(false);
     x = guess;
-    world_.boundary->grid_contact().begin_step(*world_.discretisation);
-    newton = solve(x, tolerance, attempt);
-    result.iterations += newton.iterations;
-    if (newton.converged && !is_fair()) {
-      newton.converged = false;
-      newton.reason = "bodies part, stick or slide otherwise than assumed in the step";
-    }
-    if (newton.converged) break;
-    const bool last = &attempt == &tries.back();
-    if ((newton.stood_still || last) && take_still(newton, still_tolerance(world_.spec) * scale, x)) {
-      result.stood_still = true;
-      break;
-    }
+    newton = find_equilibrium(x, tolerance, scale, result);
   }
   if (newton.converged && flies_away()) {
     newton.converged = result.stood_still = false;

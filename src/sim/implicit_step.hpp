@@ -116,6 +116,7 @@ private:
   std::string reason_of_flight() const;
   bool nothing_changes() const;
   void find_worst_node(StepResult& result) const;
+  NewtonResult find_equilibrium(std::vector<double>& x, double tolerance, double scale, StepResult& result);
   bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);
   NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
