@@ -170,7 +170,7 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
   }
   if (w.ranks > 1 && first)
     return run_under_mpiexec(w.ranks, arguments, w.file == from_input ? read_standard_input() : "");
-  berm::catch_signals();
+  if (!first || w.file != from_input) berm::catch_signals();  // a terminal that is read may be left by Ctrl-C
   if (!first) berm::start_petsc();
   berm::RunOptions options;
   options.listens = say_ready;
@@ -218,7 +218,7 @@ int main(int argc, char** argv) {
   const std::string name = command->get_name();
   if (tools.contains(name)) return run_tool(name, command->remaining());
   return guarded([&] {
-    check_folder();
+    if (name == "check" || name == "run") check_folder();
     if (name == "check") return check(w);
     if (name == "run") return run(w, {argv + 1, argv + argc});
     if (name == "schema") return print_out((w.format == "json" ? berm::schema_json() : berm::schema_markdown()) + "\n");

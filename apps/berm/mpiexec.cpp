@@ -115,7 +115,7 @@ int file_of(const std::string& text) {
 
 /// Hands on what mpiexec prints. mpiexec itself ends a run whose reader has gone; from here on the words are then lost, and the
 /// log has them.
-class Words {
+class Output {
 public:
   void add(std::string_view words) {
     if (ready) return write_out(words);
@@ -148,7 +148,7 @@ private:
 
 void pass_on_words(int from) {
   char piece[65536];
-  Words words;
+  Output words;
   for (;;) {
     const ssize_t n = read(from, piece, sizeof piece);
     if (n < 0 && errno == EINTR) continue;

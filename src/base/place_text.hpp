@@ -14,7 +14,7 @@ namespace berm {
 
 /// The first two or three coordinates [m], with the digits that those of a map need.
 inline std::string place_text(const Vec3& place, int dimension) {
-  constexpr double round_off = 1e-12;  // of the place, or of a metre
+  constexpr double round_off = 1e-12;  // of the place, or of a millimetre
   Vec3 x = place;
   for (double& value : x)
     if (std::abs(value) < round_off * std::max(1e-3, place.norm())) value = 0.0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace berm {
 
@@ -15,25 +16,21 @@ Vec3 GridContact::carried(const Discretisation& d, const Interface& at) const {
   return found == carried_.end() ? Vec3(Vec3::Zero()) : found->second;
 }
 
-/// Whether the bodies of a contact pressed each other at t_n.
-bool GridContact::bears(const FieldContact& c) const {
-  return std::any_of(carried_.begin(), carried_.end(), [&](const auto& entry) { return entry.first.second == c.field_b; });
-}
-
 bool GridContact::some_meet() const {
-  return std::any_of(contacts_.begin(), contacts_.end(), [&](const FieldContact& c) { return c.friction > 0.0 && !bears(c); });
+  return std::any_of(touches_.begin(), touches_.end(), [](const Touch& t) { return t.meets && t.contact.friction > 0.0; });
 }
 
 void GridContact::begin_step(const Discretisation& d) {
   touches_.clear();
-  std::vector<char> bore;
-  for (const FieldContact& c : contacts_) bore.push_back(bears(c));
+  // Which pairs of fields pressed each other at t_n. Nodes are numbered field by field.
+  const auto n_places = static_cast<std::int64_t>(d.node_places().size());
+  std::set<std::pair<int, int>> pressed;
+  for (const auto& [at, force] : carried_) pressed.emplace(static_cast<int>(at.first / n_places), at.second);
   for (const Interface& at : d.interfaces())
-    for (std::size_t k = 0; k < contacts_.size(); ++k) {
-      const FieldContact& c = contacts_[k];
+    for (const FieldContact& c : contacts_) {
       if (c.field_a != at.field_a || c.field_b != at.field_b || at.normal.isZero(0.0)) continue;
       Touch t{&at, c, carried(d, at), at.gap};
-      t.meets = at_once_ && !bore[k];
+      t.meets = at_once_ && !pressed.contains({c.field_a, c.field_b});
       // What touched at t_n has no gap: the one seen by the points is only an estimate.
       if (!t.carried.isZero(0.0)) t.gap = 0.0;
       touches_.push_back(t);

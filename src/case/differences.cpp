@@ -1,13 +1,12 @@
 #include "case/differences.hpp"
 
-#include <cstdint>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <utility>
 
+#include "base/hash.hpp"
 #include "case/toml.hpp"
 
 namespace berm {
@@ -15,22 +14,26 @@ namespace {
 
 using Values = std::vector<std::pair<std::string, std::string>>;
 
-void flatten(const std::string& key, const Node& node, Values& values) {
+/// Calls work with the whole key of every value in a tree, and with the value.
+template <class Work>
+void for_each_value(const std::string& key, const Node& node, const Work& work) {
   if (node.is_object()) {
-    for (const Node::Entry& e : node.object()) flatten(key.empty() ? e.key : key + "." + e.key, e.value, values);
+    for (const Node::Entry& e : node.object()) for_each_value(key.empty() ? e.key : key + "." + e.key, e.value, work);
   } else if (const Node::Array* items = node.array()) {
-    for (std::size_t i = 0; i < items->size(); ++i) flatten(key + "[" + std::to_string(i) + "]", (*items)[i], values);
+    for (std::size_t i = 0; i < items->size(); ++i) for_each_value(key + "[" + std::to_string(i) + "]", (*items)[i], work);
   } else {
-    std::string text = write_json(node);
-    while (!text.empty() && text.back() == '\n') text.pop_back();
-    values.emplace_back(key, text);
+    work(key, node);
   }
 }
 
 Values values_of(const std::string& resolved) {
   Problems problems;
   Values values;
-  flatten("", parse_toml(resolved, "resolved case", problems), values);
+  for_each_value("", parse_toml(resolved, "resolved case", problems), [&](const std::string& key, const Node& node) {
+    std::string text = write_json(node);
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    values.emplace_back(key, text);
+  });
   return values;
 }
 
@@ -68,15 +71,20 @@ std::vector<Difference> differences(const std::string& before, const std::string
 }
 
 std::string contents_of_files(const std::string& resolved) {
-  static const std::regex names_a_file(R"((.*\.)?(file|surface))");
+  // Reference curves are for the report alone.
+  static const std::regex names_a_file(R"(grid\.file|body\..*\.(file|surface))");
+  Problems problems;
   std::string lines;
-  for (const auto& [key, value] : values_of(resolved)) {
-    if (!std::regex_match(key, names_a_file) || value.size() < 2 || value.front() != '"') continue;
-    std::ifstream file(value.substr(1, value.size() - 2), std::ios::binary);
-    std::uint64_t hash = 14695981039346656037ull;  // FNV-1a
-    for (std::istreambuf_iterator<char> byte(file), end; byte != end; ++byte) hash = (hash ^ static_cast<unsigned char>(*byte)) * 1099511628211ull;
-    lines += key + " " + std::to_string(hash) + "\n";
-  }
+  for_each_value("", parse_toml(resolved, "resolved case", problems), [&](const std::string& key, const Node& node) {
+    const std::string* path = node.string();
+    if (!path || !std::regex_match(key, names_a_file)) return;
+    std::ifstream file(*path, std::ios::binary);
+    Hash hash;
+    std::vector<char> piece(1 << 16);
+    while (file.read(piece.data(), static_cast<std::streamsize>(piece.size())), file.gcount() > 0)
+      hash.add(std::string_view(piece.data(), static_cast<std::size_t>(file.gcount())));
+    lines += key + " " + std::to_string(hash.value()) + "\n";
+  });
   return lines;
 }
 

@@ -7,7 +7,8 @@
 
 namespace berm {
 
-/// Warns of numbers that look like those of another unit, and of rigid bodies that touch nothing.
+/// Warns of numbers that look like those of another unit, and of rigid bodies that touch nothing; an error for a gauge that has no
+/// load to scale.
 void doubt_case(const Case& c, const Node& root, Problems& problems);
 
 /// Errors for expressions of time that have no finite value in a stage in which they act.

@@ -12,7 +12,7 @@
 namespace berm {
 
 /// Version of the format that this program writes and reads.
-constexpr int checkpoint_version = 3;
+constexpr int checkpoint_version = 4;
 
 /// Errors: InputError for a file that is not what it should be, RunError for what the system refuses; both name the
 /// file. Errors of create, open, write* and commit are thrown by all processes alike.

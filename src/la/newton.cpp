@@ -68,10 +68,10 @@ void start_petsc(const std::string& options) {
     // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file
     // sizes, gets an error from the system instead.
     for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
-    keep_order_of_sums();
     // MPI cannot be started twice in a process: it ends with the process, not with the run.
     std::atexit([] { PetscFinalize(); });
   }
+  keep_order_of_sums();
   if (!options.empty()) check_petsc(PetscOptionsInsertString(nullptr, options.c_str()), "reading its options");
 }
 

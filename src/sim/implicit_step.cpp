@@ -451,6 +451,7 @@ NewtonResult ImplicitStep::find_equilibrium(std::vector<double>& x, double toler
   for (const Attempt& attempt : tries) {
     x = guess;
     world_.boundary->grid_contact().begin_step(*world_.discretisation);
+    cached_r_.clear();
     newton = solve(x, tolerance, attempt);
     result.iterations += newton.iterations;
     if (newton.converged && !is_fair()) {
@@ -521,7 +522,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
   NewtonResult newton = find_equilibrium(x, tolerance, scale, result);
-  if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && contact.some_meet()) {
+  if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && world_.comm.any(contact.some_meet())) {
     // Bodies that are laid down may stick, slide and part in turn: without friction for one step, as where they move on.
     contact.stick_at_once(false);
     x = guess;

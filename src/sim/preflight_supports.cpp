@@ -353,8 +353,9 @@ void refuse_jumps(const World& w) {
 namespace {
 
 /// In the stage that the boundary conditions are in.
-void look_for_free_bodies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, Findings& found) {
+void look_for_free_bodies(const World& w, const std::string& stage, Findings& found) {
   const Case& c = w.spec;
+  const std::vector<std::vector<double>> share = shares_of_nodes(w);
   const Pieces pieces(w);
   Groups groups = find_assemblies(w, stage, share, pieces);
   for (const auto& [root, assembly] : hold_assemblies(w, stage, share, groups, pieces)) {
@@ -377,8 +378,7 @@ void look_at_supports(World& w) {
   const Case& c = w.spec;
   Findings found;
   found.look([&] { refuse_jumps(w); });
-  const std::vector<std::vector<double>> share = shares_of_nodes(w);
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) found.look([&] { refuse_few_points(w, *mpm, share); });
+  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get())) found.look([&] { refuse_few_points(w, *mpm, shares_of_nodes(w)); });
   const auto enter = [&](const std::string& stage) {
     w.boundary->begin_stage(stage);
     w.begin_step();
@@ -389,10 +389,10 @@ void look_at_supports(World& w) {
     const auto like = [&](const std::string& other) { return same_act_in(c, other, stage.name); };
     if (stage.steps.analysis != Analysis::quasi_static || std::any_of(seen.begin(), seen.end(), like)) continue;
     seen.push_back(stage.name);
-    if (stage.name != first) enter(stage.name);
-    look_for_free_bodies(w, stage.name, share, found);
-    if (stage.name != first) enter(first);
+    if (stage.name != w.boundary->stage()) enter(stage.name);
+    look_for_free_bodies(w, stage.name, found);
   }
+  if (w.boundary->stage() != first) enter(first);
   found.throw_if_any();
 }
 

@@ -67,9 +67,11 @@ double width_along(const World& w, const Vec3& direction) {
   return 1.0 / (own * direction).cwiseQuotient(grid->cell_size).head(w.spec.dimension()).norm();
 }
 
+/// Or its cells are not known one by one: in FEM of several bodies.
 bool bends_as_it_should(const World& w, int body) {
   const Case& c = w.spec;
-  if (c.method == Method::fem) return c.bodies[body].mesh.order == 2;
+  if (c.method == Method::fem) return c.bodies[body].mesh.order == 2 || c.bodies.size() > 1;
+  if (!std::holds_alternative<StructuredGrid>(c.grid)) return true;
   return c.shape_functions == ShapeFunctions::quadratic_bspline || c.shape_functions == ShapeFunctions::cubic_bspline || c.shape_functions == ShapeFunctions::b2gimp;
 }
 

@@ -63,7 +63,6 @@ public:
         watch_(*world_, [this](const std::string& text) { log_.warning(text); }),
         progress_(log_, start_),
         saved_(start_) {
-    cracks_may_come_ = any_law(world_->spec, is_damage) && world_->present_stage().steps.adaptive;
     refuse_free_bodies(*world_);
     log_.info(describe(*world_));
     comm_.agree([&] {
@@ -217,10 +216,13 @@ private:
         control_.after_impl_ex(result.extrapolation_error);
       if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
       progress_.update({recorder_.steps(), world_->time / world_->spec.duration(), recorder_.load(), result.iterations, result.residual,
-                        world_->n_points(), planned_share(), cracks_may_come_});
+                        world_->n_points(), planned_share(), cracks_may_come()});
       return;
     }
   }
+
+  /// Then steps are cut, by how much nobody knows.
+  bool cracks_may_come() const { return any_law(world_->spec, is_damage) && world_->present_stage().steps.adaptive; }
 
   /// Of the steps of all stages, those that are behind: stages need not have steps of the same size.
   double planned_share() const {
@@ -389,7 +391,6 @@ private:
   double worst_still_ = 0.0;                     ///< their largest residual
   std::vector<double> time_errors_;              ///< of the steps in motion
   bool rest_told_ = false;
-  bool cracks_may_come_ = false;                 ///< then steps are cut, by how much nobody knows
   std::string choice_;                           ///< of the linear solver, as last logged
 };
 

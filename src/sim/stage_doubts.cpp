@@ -12,10 +12,11 @@ namespace {
 
 constexpr double noticeable = 0.1;  ///< cells
 
-/// How far material has moved from where it started, at most [m]. Collective.
+/// How far material has moved from where it started, at most; displacements may have been set back [m]. Collective.
 double farthest_motion(const World& w) {
+  const std::vector<Vec3> x = w.discretisation->point_positions(), X = w.discretisation->point_origins();
   double farthest = 0.0;
-  for (const Vec3& u : w.discretisation->point_displacements()) farthest = std::max(farthest, u.norm());
+  for (std::size_t p = 0; p < x.size(); ++p) farthest = std::max(farthest, (x[p] - X[p]).norm());
   return w.comm.max(farthest);
 }
 

@@ -1,19 +1,18 @@
-/// What a step knows of the one before it, for a run that goes on from a checkpoint.
+/// What a step knows of the one before it, in a run that goes on as in one that goes on from a checkpoint.
+#include "base/hash.hpp"
 #include "sim/implicit_step.hpp"
 
 namespace berm {
 
-/// FNV-1a.
 std::int64_t pattern_of(const Discretisation& d) {
-  std::uint64_t hash = 14695981039346656037ull;
-  const auto add = [&](std::uint64_t value) { hash = (hash ^ value) * 1099511628211ull; };
-  add(d.halo.n_owned);
-  for (const std::int64_t id : d.halo.ids) add(static_cast<std::uint64_t>(id));
+  Hash hash;
+  hash.add(d.halo.n_owned);
+  for (const std::int64_t id : d.halo.ids) hash.add(static_cast<std::uint64_t>(id));
   for (int block = 0; block < d.blocks.size(); ++block) {
-    add(~std::uint64_t(block));
-    for (const int node : d.blocks[block]) add(static_cast<std::uint64_t>(node));
+    hash.add(~std::uint64_t(block));
+    for (const int node : d.blocks[block]) hash.add(static_cast<std::uint64_t>(node));
   }
-  return static_cast<std::int64_t>(hash);
+  return static_cast<std::int64_t>(hash.value());
 }
 
 ImplicitStep::Guess ImplicitStep::guess() const {

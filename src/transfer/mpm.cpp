@@ -209,7 +209,11 @@ void MpmDiscretisation::find_cells() {
 /// moment, so that a run that goes on from a checkpoint cuts the grid when the other one does.
 double MpmDiscretisation::imbalance_of_cuts() const {
   std::vector<double> points(comm_.size(), 0.0);
-  for (const int cell : cell_) ++points[owner_of_cell(cell)];
+  int owner = 0, last = -1;
+  for (const int cell : cell_) {  // most follow one of the same cell
+    if (cell != last) owner = owner_of_cell(cell), last = cell;
+    ++points[owner];
+  }
   comm_.sum(std::span<double>(points));
   return Partition::imbalance(comm_, points[comm_.rank()]);
 }
