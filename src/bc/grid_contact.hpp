@@ -29,7 +29,7 @@ public:
   void begin_step(const Discretisation& d);
   /// Whether friction acts in the step in which bodies meet; else from the next one on. For the next begin_step.
   void stick_at_once(bool yes) { at_once_ = yes; }
-  /// Bodies with friction that did not press each other at t_n. The same on all processes.
+  /// Whether, on this process, bodies with friction are near each other that did not press each other at t_n.
   bool some_meet() const;
   /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
   void freeze(const NodalVector& du);
@@ -68,7 +68,6 @@ private:
     Mat3 stiffness = Mat3::Zero();
   };
   Vec3 carried(const Discretisation& d, const Interface& at) const;
-  bool bears(const FieldContact& c) const;
   static Force force_at(const Touch& t, const Vec3& relative);
 
   std::vector<FieldContact> contacts_;

@@ -227,12 +227,20 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   std::vector<std::vector<double>> rows;
   for (std::size_t s = 0; s < d.material.slices.size(); ++s)
     rows.push_back(read_share<double>(file, comm, points_name(s), d.row_width(static_cast<int>(s))));
-  d.restore_points(rows);
+  const auto with_name = [&](const auto& restore) {
+    try {
+      restore();
+    } catch (const InputError& error) {
+      throw InputError(path + ": " + error.what());
+    }
+  };
+  with_name([&] { d.restore_points(rows); });
   // On as many processes as it was written by, places belong to the same one as then.
   const bool as_many = file.rows("guess/pattern") == comm.size();
   if (as_many && file.rows("cuts") > 0) d.restore_cuts(read_all(file, "cuts"));
-  d.restore_nodes(read_share<std::int64_t>(file, comm, "nodes/id", 1),
-                  read_share<double>(file, comm, "nodes/state", Discretisation::node_width));
+  const auto ids = read_share<std::int64_t>(file, comm, "nodes/id", 1);
+  const auto states = read_share<double>(file, comm, "nodes/state", Discretisation::node_width);
+  with_name([&] { d.restore_nodes(ids, states); });
   for (int kind = 0; kind < BoundaryConditions::n_kinds; ++kind)
     world.boundary->restore(kind, read_all(file, fmt::format("anchors/{}", kind), BoundaryConditions::row_width));
   world.boundary->grid_contact().restore(read_all(file, "contact/grid", 5));
