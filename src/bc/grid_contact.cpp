@@ -38,8 +38,8 @@ void GridContact::begin_step(const Discretisation& d) {
 }
 
 /// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
-/// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together; where they move on to other nodes it would
-/// count twice, there and at those that they leave.
+/// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together; where they move on to
+/// other nodes it would count twice, there and at those that they leave.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const Vec3& n = t.at->normal;
   const double k = t.contact.stiffness * t.at->area;
