@@ -189,7 +189,7 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
 /// PETSc and MPI cannot begin where there is no folder.
 void check_folder() {
   std::error_code error;
-  std::filesystem::current_path(error);
+  static_cast<void>(std::filesystem::current_path(error));
   if (error) throw berm::InputError("berm: the current folder cannot be read (" + error.message() + "): go to one that exists");
 }
 

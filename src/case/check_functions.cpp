@@ -1,6 +1,4 @@
 /// Expressions of a case must have a value whenever the run asks for it.
-#include <fmt/format.h>
-
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "case/doubts.hpp"

@@ -14,14 +14,15 @@
 #include "base/shell_word.hpp"
 #include "base/system_file.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/differences.hpp"
 #include "io/log.hpp"
 #include "io/output_folder.hpp"
 #include "law/kinds.hpp"
 #include "sim/advice.hpp"
-#include "sim/stage_doubts.hpp"
 #include "sim/checkpoint.hpp"
 #include "sim/preflight.hpp"
 #include "sim/recorder.hpp"
+#include "sim/stage_doubts.hpp"
 #include "sim/step_control.hpp"
 #include "sim/watch.hpp"
 
@@ -64,6 +65,8 @@ public:
         progress_(log_, start_),
         saved_(start_) {
     refuse_free_bodies(*world_);
+    // For checkpoints; as the files are now, whatever becomes of them during the run.
+    world_->file_contents = comm_.broadcast(comm_.is_root() ? contents_of_files(world_->spec.resolved) : std::string());
     log_.info(describe(*world_));
     comm_.agree([&] {
       if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);

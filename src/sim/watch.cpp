@@ -97,19 +97,18 @@ Vec3 Watch::place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, co
 void Watch::look(const ImplicitStep& step, int n_steps) {
   look_for_jumps(step.balance().reactions, world_.time);
   look_for_penetration();
-  if (n_steps % steps_between_looks == 0) {
-    look_for_overlap();
-    look_for_swelling();
-    look_for_large_motion();
-    look_for_smeared_cracks();
-  }
+  if (n_steps % steps_between_looks == 0) look_now_and_then();
 }
 
-void Watch::look_last() {
+void Watch::look_now_and_then() {
   look_for_overlap();
   look_for_swelling();
   look_for_large_motion();
   look_for_smeared_cracks();
+}
+
+void Watch::look_last() {
+  look_now_and_then();
   if (seen.jumps > 0.0)
     warn_(fmt::format("reactions jumped by more than a tenth in {:.0f} step{} of a smooth motion{}: look at history.csv there; smaller steps "
                       "show whether the jump is of the model",

@@ -52,6 +52,7 @@ private:
     double depth(const Vec3& x);  ///< of a place inside, else 0
   };
   void look_for_penetration();
+  void look_now_and_then();
   void look_for_overlap();
   void look_for_swelling();
   void look_for_large_motion();

@@ -11,7 +11,6 @@
 
 #include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
-#include "case/differences.hpp"
 #include "case/places.hpp"
 #include "sim/far_origin.hpp"
 #include "fem/fem.hpp"
@@ -437,7 +436,6 @@ void build(World& w) {
     found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
   found.throw_if_any();
   note_thin_parts(w, built.surface);
-  w.file_contents = contents_of_files(w.spec.resolved);
   collect_warnings(w);
 }
 
