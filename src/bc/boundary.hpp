@@ -107,8 +107,15 @@ public:
 
   /// What the user should know of the supports as they were read; on every process.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Name of the first boundary none of whose nodes takes part in the step, or "". Collective.
-  std::string idle_boundary() const;
+  /// Names of the boundaries none of whose nodes takes part in the step. Collective.
+  std::vector<std::string> idle_boundaries() const;
+  /// Where a surface follows its support worst: what is missing of the prescribed displacement [m]. Of this process; boundary -1: nowhere.
+  struct Lag {
+    int boundary = -1;
+    double missing = 0.0, prescribed = 0.0;
+    Vec3 at = Vec3::Zero();
+  };
+  Lag worst_lag(double time) const;
   /// By contact of the case that ties, how far apart its surfaces have moved along their normal since the start, at most [m].
   /// Collective.
   std::map<int, double> tied_apart() const;

@@ -108,6 +108,14 @@ Vec3 BoundaryConditions::held_force(const HeldPoint& p, const NodalVector& du, d
   return p.stiffness * still_missing(p, du, t0, t1);
 }
 
+BoundaryConditions::Lag BoundaryConditions::worst_lag(double time) const {
+  Lag worst;
+  for (const HeldPoint& p : held_)
+    if (const double missing = p.missing.norm(); missing > worst.missing)
+      worst = {p.boundary, missing, held_step(p, 0.0, time).norm(), p.anchor.X};
+  return worst;
+}
+
 void BoundaryConditions::commit_held_surfaces(const NodalVector& du, double t0, double t1) {
   for (HeldPoint& p : held_) {
     const bool acts_now = acts(case_.boundaries[p.boundary].stages);

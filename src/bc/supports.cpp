@@ -148,15 +148,16 @@ std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t
   return du;
 }
 
-std::string BoundaryConditions::idle_boundary() const {
+std::vector<std::string> BoundaryConditions::idle_boundaries() const {
   std::vector<double> works(case_.boundaries.size(), 0.0);
   for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
   for (const LocalInclined& local : local_inclined_) works[inclined_[local.index].boundary] += 1.0;
   for (const HeldPoint& p : held_) works[p.boundary] += 1.0;
   comm_.sum(works);
+  std::vector<std::string> idle;
   for (std::size_t b = 0; b < works.size(); ++b)
-    if (works[b] == 0.0 && acts(case_.boundaries[b].stages)) return case_.boundaries[b].name;
-  return "";
+    if (works[b] == 0.0 && acts(case_.boundaries[b].stages)) idle.push_back(case_.boundaries[b].name);
+  return idle;
 }
 
 }  // namespace berm

@@ -168,12 +168,12 @@ Table<Body> body_table() {
   const auto rigid = [](const Scope&, const Body& b) { return b.rigid; };
   Table<Body> t("A deformable body, or a rigid one that pushes. One of `shape` and `file`.");
   t.boolean("rigid", &Body::rigid, "moves as told and never deforms");
-  t.string("material", &Body::material, "name of a material", "what it is made of");
+  t.name("material", &Body::material, "name of a material", "what it is made of");
   t.required().only(deformable, "in deformable bodies");
   t.custom(shape_info(), read_shape);
   t.file("file", &Body::mesh_file, "Gmsh mesh (.msh 2.2 or 4.1) of plane cells; in space of volume cells");
   t.only(deformable, "in deformable bodies");
-  t.string("group", &Body::mesh_group, "name of a physical surface (in space: volume)",
+  t.name("group", &Body::mesh_group, "name of a physical surface (in space: volume)",
            "part of the file that is the body; else all cells");
   t.only_with("file");
   t.table("points", &Body::points, points_table()).only(deformable, "in deformable bodies");

@@ -198,7 +198,7 @@ Table<Case> make_case_table() {
   const auto outputs = [](auto member) {
     return [=](Case & c) -> auto& { return c.output.*member; };
   };
-  t.string("title", &Case::title, "string", "one line for reports");
+  t.text("title", &Case::title, "one line for reports");
   add_inheritance(t);
   t.choice("method", &Case::method,
            std::vector<std::pair<std::string, Method>>{{"mpm", Method::mpm}, {"fem", Method::fem}},

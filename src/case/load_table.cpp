@@ -53,7 +53,7 @@ Table<Where> where_table() {
   t.table(
        "box", [](Where& w) -> Where& { return w; }, where_box_table())
       .no_default();
-  t.string("group", &Where::group, "name of a physical curve (in space: surface)",
+  t.name("group", &Where::group, "name of a physical curve (in space: surface)",
            "nodes of that curve of the Gmsh file of the grid or body");
   t.table("sector", &Where::sector, sector_table());
   t.table("beyond", &Where::beyond, half_space_table());
@@ -89,7 +89,7 @@ Table<NodeBoundary> boundary_table() {
   Table<NodeBoundary> t(
       "Prescribed displacement of grid nodes (mpm) or mesh nodes (fem), or with `body` of that body's surface, which it "
       "follows, and which need not fit the grid. At least one of `ux`, `uy` and `uz`, or a `normal` (surface: or `un`).");
-  t.string("body", &NodeBoundary::body, "name of a deformable body", "whose surface is held, wherever it moves; without it, "
+  t.name("body", &NodeBoundary::body, "name of a deformable body", "whose surface is held, wherever it moves; without it, "
            "nodes");
   t.table("where", &NodeBoundary::where, where_table()).required();
   t.function("ux", component(0), Unit::length, true,
@@ -127,7 +127,7 @@ Table<NodeBoundary> boundary_table() {
 
 Table<Pin> pin_table() {
   Table<Pin> t("Holds a material point inside a body, to stop rigid motion where no boundary does.");
-  t.string("body", &Pin::body, "name of a deformable body", "whose point").required();
+  t.name("body", &Pin::body, "name of a deformable body", "whose point").required();
   t.vector("at", &Pin::at, Unit::length, "reference position").required();
   t.choice("fix", &Pin::fixed, held_directions, "held directions").required();
   add_stages(t);
@@ -138,7 +138,7 @@ Table<Pressure> pressure_table() {
   Table<Pressure> t(
       "Pressure or traction on the surface of a body: one of `value` and `traction`. The loaded points move with the "
       "material.");
-  t.string("body", &Pressure::body, "name of a deformable body", "on which body").required();
+  t.name("body", &Pressure::body, "name of a deformable body", "on which body").required();
   t.table("where", &Pressure::where, where_table()).required();
   t.function("value", &Pressure::value, Unit::stress, true,
              "positive pushes into the body; a number is reached linearly at the end of the first stage, or holds from "
@@ -162,7 +162,7 @@ Table<Absorbing> absorbing_table() {
   Table<Absorbing> t(
       "Dashpots on the surface of a body that let waves out into the ground beyond (Lysmer and Kuhlemeyer 1969); they act in "
       "dynamic stages.");
-  t.string("body", &Absorbing::body, "name of a deformable body", "on which body").required();
+  t.name("body", &Absorbing::body, "name of a deformable body", "on which body").required();
   t.table("where", &Absorbing::where, where_table()).required();
   t.number("p_wave_speed", &Absorbing::p_wave_speed, Unit::velocity, positive(),
            "of the ground beyond, sqrt(E (1 - nu) / ((1 + nu) (1 - 2 nu) density)) if elastic")
@@ -180,9 +180,9 @@ Table<Contact> contact_table() {
   Table<Contact> t(
       "A deformable body's surface against a rigid body, or against another deformable one: tied to it, or (mpm) able to "
       "part from it. One of `rigid` and `other`. Deformable bodies that touch at the start and have no contact stay together.");
-  t.string("body", &Contact::body, "name of a deformable body", "the body").required();
-  t.string("rigid", &Contact::rigid, "name of a rigid body", "what it touches");
-  t.string("other", &Contact::other, "name of a deformable body", "what it touches, with kind tie, friction or frictionless");
+  t.name("body", &Contact::body, "name of a deformable body", "the body").required();
+  t.name("rigid", &Contact::rigid, "name of a rigid body", "what it touches");
+  t.name("other", &Contact::other, "name of a deformable body", "what it touches, with kind tie, friction or frictionless");
   t.choice("kind", &Contact::kind,
            std::vector<std::pair<std::string, Kind>>{{"tie", Kind::tie},
                                                      {"no_slip", Kind::no_slip},

@@ -15,9 +15,9 @@ Table<ReferenceCurve> reference_table() {
   t.custom(plain_info("file", "file", "string", "CSV with a header"), [](Scope& s, Node::Entry& e, ReferenceCurve& r) {
     if (const auto file = read_file(s, e, false)) r.file = *file;
   }).required();
-  t.string("x", &ReferenceCurve::x, "name of a column with its unit",
+  t.name("x", &ReferenceCurve::x, "name of a column with its unit",
            "e.g. \"displacement [mm]\": a length, a strain [-], [%], [permille] or a time");
-  t.string("y", &ReferenceCurve::y, "name of a column with its unit", "e.g. \"force [kN]\": a force or a stress");
+  t.name("y", &ReferenceCurve::y, "name of a column with its unit", "e.g. \"force [kN]\": a force or a stress");
   t.custom(plain_info("delimiter", "\";\", \",\", \"|\" or a tab", "string", "between cells; found in the header if not given"),
            [](Scope& s, Node::Entry& e, ReferenceCurve& r) {
              const auto text = read_string(s, e);
@@ -26,7 +26,7 @@ Table<ReferenceCurve> reference_table() {
              if (text->size() != 1 || std::string_view(";,|\t").find(*text) == std::string_view::npos)
                s.explain("delimiter", "must be \";\", \",\", \"|\" or a tab (\"\\t\")");
            });
-  t.string("label", &ReferenceCurve::label, "string", "in legends; without it as a line \"# label: ...\" of the file says");
+  t.text("label", &ReferenceCurve::label, "in legends; without it as a line \"# label: ...\" of the file says");
   t.check([](Scope& s, ReferenceCurve& r) {
     if (r.x.empty() != r.y.empty()) s.missing(r.x.empty() ? "x" : "y", "name of a column; x and y go together");
   });

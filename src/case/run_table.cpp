@@ -14,7 +14,7 @@ Table<Nominal> nominal_table() {
     if (const auto names = read_one_or_more(s, e)) n.load = *names;
     if (e.value.array() && e.value.array()->empty()) s.error("load", "must not be empty");
   });
-  t.string("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
+  t.name("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
            "whose motion is the imposed displacement");
   t.vector("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
   t.number("area", &Nominal::area, Unit::area, positive(), "nominal stress = load / area");
@@ -39,7 +39,7 @@ Table<Control> control_table() {
            std::vector<std::pair<std::string, Kind>>{{"time", Kind::time}, {"gauge", Kind::gauge}},
            "time: displacements and loads; gauge: the change of a gauge, while all pressures are scaled by an unknown "
            "factor");
-  t.string("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
+  t.name("gauge", &Control::gauge, "name of a gauge", "the gauge that grows")
       .required()
       .only(by_gauge, "with kind = \"gauge\"");
   t.number("target", &Control::target, Unit::length, {}, "change of the gauge at the end, reached linearly")
@@ -83,7 +83,7 @@ Table<Solver> solver_table() {
       "large systems (1.5 times on two processes from 40 000 unknowns on), last digits differ from run to run");
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
-  t.string("petsc", &Solver::petsc, "string", "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\"; others, and those that write files, need berm run --allow-petsc-files");
+  t.text("petsc", &Solver::petsc, "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\"; others, and those that write files, need berm run --allow-petsc-files");
   return t;
 }
 

@@ -200,6 +200,15 @@ std::optional<std::string> read_string(const Scope& scope, const Node::Entry& en
   return std::nullopt;
 }
 
+std::optional<std::string> read_name(const Scope& scope, const Node::Entry& entry) {
+  const auto name = read_string(scope, entry);
+  if (name && name->empty()) {  // elsewhere: none was given
+    scope.problems.error(entry.value.place, fmt::format("{} must not be empty", an_entry(scope, entry.key)));
+    return std::nullopt;
+  }
+  return name;
+}
+
 std::optional<Vec2> read_pair(const Scope& scope, const Node::Entry& entry, Unit unit, const Range& range) {
   const Node::Array* items = entry.value.array();
   if (!items || items->size() != 2) {
@@ -312,13 +321,16 @@ std::optional<std::vector<std::string>> read_strings(const Scope& scope, const N
   }
   std::vector<std::string> strings;
   for (std::size_t i = 0; i < items->size(); ++i)
-    if (const auto text = read_string(scope, item_entry(entry, i, (*items)[i]))) strings.push_back(*text);
+    if (const auto text = read_name(scope, item_entry(entry, i, (*items)[i]))) strings.push_back(*text);
   return strings;
 }
 
 std::optional<std::vector<std::string>> read_one_or_more(const Scope& scope, const Node::Entry& entry) {
   if (entry.value.array()) return read_strings(scope, entry);
-  if (const std::string* one = entry.value.string()) return std::vector{*one};
+  if (entry.value.string()) {
+    const auto one = read_name(scope, entry);
+    return one ? std::optional(std::vector{*one}) : std::nullopt;
+  }
   wrong_type(scope, entry, "a string or an array of strings");
   return std::nullopt;
 }

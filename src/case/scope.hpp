@@ -48,6 +48,7 @@ std::optional<double> read_number(const Scope&, const Node::Entry&, Unit, const 
 std::optional<int> read_integer(const Scope&, const Node::Entry&, const Range&);
 std::optional<bool> read_boolean(const Scope&, const Node::Entry&);
 std::optional<std::string> read_string(const Scope&, const Node::Entry&);
+std::optional<std::string> read_name(const Scope&, const Node::Entry&);  ///< a string that is not empty
 /// Two numbers, in the plane and in space.
 std::optional<Vec2> read_pair(const Scope&, const Node::Entry&, Unit, const Range& = {});
 /// A number a direction; z = 0 in the plane.

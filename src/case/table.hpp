@@ -122,11 +122,19 @@ public:
         [=](T& t, int) { return std::optional<Node>(Node(bool{std::invoke(member, t)})); });
   }
 
-  /// Free text, or the name of something (`type` says of what). Absent by default.
+  /// Free text. Absent by default.
   template <class M>
-  Table& string(const std::string& key, M member, const std::string& type, const std::string& doc) {
-    return custom(plain_info(key, type, "string", doc), [=](Scope& s, Node::Entry& e, T& t) {
+  Table& text(const std::string& key, M member, const std::string& doc) {
+    return custom(plain_info(key, "string", "string", doc), [=](Scope& s, Node::Entry& e, T& t) {
       if (const auto v = read_string(s, e)) std::invoke(member, t) = *v;
+    });
+  }
+
+  /// The name of something, `type` says of what: an error if empty. Absent by default.
+  template <class M>
+  Table& name(const std::string& key, M member, const std::string& type, const std::string& doc) {
+    return custom(plain_info(key, type, "string", doc), [=](Scope& s, Node::Entry& e, T& t) {
+      if (const auto v = read_name(s, e)) std::invoke(member, t) = *v;
     });
   }
 

@@ -1,7 +1,6 @@
 #pragma once
 /// How much of a body's mass the nodes have.
 
-#include <cmath>
 #include <vector>
 
 #include "method/discretisation.hpp"

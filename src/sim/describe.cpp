@@ -203,7 +203,7 @@ std::string describe(const World& w) {
                      s.name.empty() ? "" : ", stage " + s.name));
   if (any_law(w.spec, is_damage))
     line("  cracks            follow the lines of the grid (laws with a crack band): trust their direction only if it stays on a turned grid");
-  for (const std::string& note : w.notes) line("  thin              " + note);
+  for (const std::string& note : w.thin_parts) line("  thin              " + note);
   for (const std::string& choice : w.spec.choices) line("  chosen            " + choice);
   for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;

@@ -28,6 +28,9 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
 /// Notes parts of bodies with so few linear cells through their thickness that they would be too stiff in bending. Collective.
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
 
+/// Warns of places where nodes of a body's mesh lie in one another: elements are not joined there.
+void tell_seams(World& w, const std::string& body, const Mesh& mesh);
+
 /// Throws InputError if a body can move without any resistance in a quasi-static stage, has fewer points than B-splines need, or
 /// if a dynamic first stage begins with a jump of a support. Collective.
 void refuse_free_bodies(World& w);

@@ -35,11 +35,11 @@ std::vector<std::string> doubts_of_stage(const World& w) {
                                  c.contacts[contact].name, now, apart, apart / h));
 
   std::vector<std::string> doubts;
-  const std::string idle = w.boundary->idle_boundary();
+  const std::vector<std::string> idle = w.boundary->idle_boundaries();
   for (const NodeBoundary& b : c.boundaries) {
     if (!begins(b.stages) || !b.body.empty() || c.method != Method::mpm || !moves_through_grid(c)) continue;
     const std::string remedy = fmt::format("hold the surface of the body wherever it is (boundary.{}.body = \"NAME\")", b.name);
-    if (b.name == idle)
+    if (std::find(idle.begin(), idle.end(), b.name) != idle.end())
       doubts.push_back(fmt::format("[boundary.{}] holds nothing in [stage.{}]: no body touches its nodes any more; {}", b.name, now, remedy));
     else if (moved > noticeable * h)
       doubts.push_back(fmt::format("[boundary.{}] begins in [stage.{}] to hold nodes of the grid, and bodies have moved by up to {:.3g} m ({:.2g} cells) since the start: "

@@ -105,6 +105,7 @@ void Watch::look_now_and_then() {
   look_for_swelling();
   look_for_large_motion();
   look_for_smeared_cracks();
+  look_for_lag();
 }
 
 void Watch::look_last() {
@@ -208,6 +209,29 @@ void Watch::look_for_large_motion() {
                       world_.spec.bodies[slice.body].name, sum / volume, world_.time));
     return;
   }
+}
+
+/// A support on a surface gives way by a 500th of what a cell does [boundaries (14)]. Where it lags behind by more, something else
+/// holds the same place: nodes, another body, a tie. Tractions of a twentieth of Young's modulus are more than a material bears.
+void Watch::look_for_lag() {
+  constexpr double told = 0.1, far = 1e-4;  // of the motion; cells
+  const Discretisation& d = *world_.discretisation;
+  if (lag_told_) return;
+  const BoundaryConditions::Lag mine = world_.boundary->worst_lag(world_.time);
+  const double missing = world_.comm.max(mine.missing);
+  if (missing == 0.0) return;
+  double moved = 0.0;
+  for (const Vec3& u : d.point_displacements()) moved = std::max(moved, u.norm());
+  moved = world_.comm.max(moved);
+  std::vector<double> found;  // of the process that has seen it
+  if (mine.missing == missing) found = {double(mine.boundary), mine.prescribed, mine.at.x(), mine.at.y(), mine.at.z()};
+  found = world_.comm.all_gather(found);
+  if (missing <= told * std::max(moved, found[1]) || (missing <= far * d.cell_size() && missing <= told * found[1])) return;
+  lag_told_ = true;
+  const NodeBoundary& b = world_.spec.boundaries[static_cast<int>(found[0])];
+  warn_(fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "
+                    "nodes of the grid, a rigid body or a tie that move otherwise. Leave one of the two out, or let them meet a cell apart",
+                    b.name, found[1], b.body, place_text(world_.spec, Vec3(found[2], found[3], found[4])), missing, world_.time));
 }
 
 /// A crack of a law with a crack band is a column of cells. Where a uniform zone softens, nothing says which: many do side by

@@ -287,6 +287,7 @@ void build_fem(World& w, BuiltBodies& built) {
     const Material& material = material_of(c, body);
     const Mesh mesh = body_mesh(c, body, body.mesh);
     fem->add_body(index, body.name, material, mesh, c.thickness);
+    tell_seams(w, body.name, mesh);
     BodySummary summary = summary_of(body, fem->cell_size());
     std::vector<Vec3> centres;
     std::vector<double> measures;
@@ -366,9 +367,9 @@ void refuse_contacts_out_of_sight(const World& w) {
 
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
-  w.warnings = w.spec.warnings;
+  w.warnings.insert(w.warnings.begin(), w.spec.warnings.begin(), w.spec.warnings.end());
   // No error: a body may move there later.
-  if (const std::string name = w.boundary->idle_boundary(); !name.empty())
+  for (const std::string& name : w.boundary->idle_boundaries())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   for (const std::string& warning : w.boundary->warnings()) w.warnings.push_back(warning);
   const MaterialState& m = w.discretisation->material;

@@ -23,7 +23,8 @@ struct World {
   std::unique_ptr<Discretisation> discretisation;
   std::unique_ptr<BoundaryConditions> boundary;
   std::vector<BodySummary> bodies;
-  std::vector<std::string> warnings, notes;  ///< of the model; notes say what need not be wrong
+  std::vector<std::string> warnings;    ///< of the model
+  std::vector<std::string> thin_parts;  ///< of bodies: too few cells through them to bend as they should
 
   // the state at t_n besides what the points carry
   double time = 0.0;           ///< [s]
