@@ -230,7 +230,7 @@ void Watch::look_for_lag() {
   lag_told_ = true;
   const NodeBoundary& b = world_.spec.boundaries[static_cast<int>(found[0])];
   warn_(fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "
-                    "nodes of the grid, a rigid body or a tie that move otherwise. Leave one of the two out, or let them meet a cell apart",
+                    "nodes of the grid, a rigid body or a tie that move otherwise. Leave out one of the two, or keep their regions a cell apart",
                     b.name, found[1], b.body, place_text(world_.spec, Vec3(found[2], found[3], found[4])), missing, world_.time));
 }
 

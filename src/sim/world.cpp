@@ -367,7 +367,6 @@ void refuse_contacts_out_of_sight(const World& w) {
 
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
 void collect_warnings(World& w) {
-  w.warnings.insert(w.warnings.begin(), w.spec.warnings.begin(), w.spec.warnings.end());
   // No error: a body may move there later.
   for (const std::string& name : w.boundary->idle_boundaries())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
@@ -385,6 +384,8 @@ void collect_warnings(World& w) {
                       w.spec.bodies[slice.body].name, longest));
   }
   warn_of_missing_contacts(w);
+  for (std::string& warning : w.warnings) warning = with_places(w.spec, warning);
+  w.warnings.insert(w.warnings.begin(), w.spec.warnings.begin(), w.spec.warnings.end());  // have theirs
 }
 
 }  // namespace

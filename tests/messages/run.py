@@ -178,6 +178,8 @@ FAILURES = {
     "few points": (SPLINES + ELASTIC + BLOCK + BASE + FEW, "points.per_direction = 3", ["body.a.points.per_direction=3"]),
     "few points, quadratic": (SPLINES.replace("cubic", "quadratic") + ELASTIC + BLOCK + "[body.a.points]\nper_direction = 1\n" + BASE + FEW, "points.per_direction = 2",
                               ["body.a.points.per_direction=2"]),
+    "held twice": (GRID + ELASTIC + BLOCK + BASE + TOP + TOP.replace("boundary.top", "boundary.surface").replace("-0.001", '-0.0005\nbody = "a"') + FEW, "something else holds it",
+                   ["boundary.surface.uy=-0.001"]),
     "penetration": (GRID + ELASTIC + BLOCK + BASE + PLATE + '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "frictionless"\nstiffness = 0.05\n[steps]\ncount = 20\n',
                     'kind = "shared_nodes"', ['contact.c={body="a",rigid="plate",kind="shared_nodes"}', 'body.plate.displacement=[0.0,"-0.1*t"]']),
     "penetration, told": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("-0.3", "-0.06") + '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "frictionless"\nstiffness = 0.05\n[steps]\ncount = 10\n',

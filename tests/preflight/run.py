@@ -22,6 +22,26 @@ PARTS = ('[body.a]\nmaterial = "m"\nshape.union = [ { box = { min = [0.0, 0.0], 
 LEFT_BASE = BASE.replace("{ max = [9.0, 1e-6] }", "{ max = [0.45, 1e-6] }")
 ROLLERS = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"
 UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").replace("[1.0, 1.0]", "[1.0, 2.0]")
+SEAM = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 1 0 0
+6 2 0 0
+7 2 1 0
+8 1 1 0
+$EndNodes
+$Elements
+2
+1 3 2 1 1 1 2 3 4
+2 3 2 1 1 5 6 7 8
+$EndElements
+"""
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
 PIN = '[pin.NAME]\nbody = "a"\nat = AT\nfix = "xy"\n'
@@ -56,6 +76,9 @@ MODELS = {
     "cube on one pin": (CUBE + ELASTIC + '[pin.p]\nbody = "a"\nat = [0.0, 0.0, 0.0]\nfix = "xyz"\n' + FEW, [("body.a", "can turn")]),
     "hinged in two places of one line": (CUBE + ELASTIC + '[pin.p]\nbody = "a"\nat = [0.0, 0.0, 0.0]\nfix = "xyz"\n[pin.q]\nbody = "a"\nat = [0.4, 0.0, 0.0]\nfix = "yz"\n' + FEW,
                                          [("body.a", "can turn")]),
+    "a mesh in two pieces that touch": (FEM + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "seam.msh"\n' + BASE + FEW, [("body.a", "warning: 2 nodes lie in the place of another")]),
+    "two idle supports": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "1.1999").replace("1.0001", "1.2001") + TOP.replace("top", "above").replace("0.9999", "1.2999").replace("1.0001", "1.3001") + FEW,
+                          [("boundary.top", "warning: holds nothing at the start"), ("boundary.above", "warning: holds nothing at the start")]),
     "a plate that touches nothing": (GRID + ELASTIC + BLOCK + BASE + PLATE + FEW, [("body.plate", "warning: touches nothing")]),
     "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
                                + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
@@ -113,6 +136,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch:
             path = pathlib.Path(scratch) / "case.toml"
             path.write_text(text, encoding="utf-8")
+            (pathlib.Path(scratch) / "seam.msh").write_text(SEAM, encoding="ascii")
             done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
         said = done.stdout + done.stderr
         missing = []
