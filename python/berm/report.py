@@ -458,6 +458,9 @@ def read_curves(runs, files):
     return curves, refused
 
 
+PAGE_BEGINS = "<!doctype html>"
+
+
 def refuse_target(out):
     """Before the pictures, which go to the same folder."""
     folder = os.path.dirname(out) or "."
@@ -465,6 +468,12 @@ def refuse_target(out):
         raise ResultError(f"cannot write {out}: there is no folder {folder} (create it, or name another file with --out)")
     if os.path.isdir(out):
         raise ResultError(f"cannot write {out}: it is a folder (name a file in it with --out)")
+    if not out.endswith((".html", ".htm")):
+        raise ResultError(f"cannot write {out}: a report is a page of HTML (name a file that ends with .html with --out)")
+    if os.path.isfile(out):
+        with open(out, encoding="utf-8", errors="replace") as file:
+            if not file.read(len(PAGE_BEGINS)) in ("", PAGE_BEGINS):
+                raise ResultError(f"cannot write {out}: it holds something that is not a report (name another file with --out)")
 
 
 def write_report(paths, out=None, references=(), scale=1.0, title=None):
@@ -481,7 +490,7 @@ def write_report(paths, out=None, references=(), scale=1.0, title=None):
     title = title or runs[0].summary.get("title") or runs[0].name
     content = "\n".join(
         (
-            f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
+            f'{PAGE_BEGINS}<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>',
             f"<style>{STYLE}</style></head><body>",
             f"<h1>{html.escape(title)}</h1><h2>Summary</h2>{table_html(runs, labels)}",
             "".join(f"<p class='note'>Not drawn: {html.escape(text)}</p>" for text in refused),

@@ -98,6 +98,8 @@ public:
     int body = -1, node = -1;  ///< node: local
     int boundary = -1;         ///< of the case; -1: something else
     Vec3 at, direction;
+    int contact = -1;          ///< of the case, if it can open
+    double gap = 0.0;          ///< of that contact at t_n [m]
   };
   /// Whatever holds in this step and stage: supports, pins, rigid bodies. Of this process.
   std::vector<Hold> holds(const Discretisation& d) const;

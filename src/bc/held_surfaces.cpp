@@ -52,7 +52,7 @@ void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<Sur
       for (const NodeBoundary& first : std::span(c.boundaries).first(b)) refuse_disagreement(spec, first, surface);
       parts = caught_surface("boundary." + spec.name, spec.where, body, spec.body, surface, dimension_);
     });
-    for (const auto& [s, share] : parts) {
+    for (const auto& [s, share] : spec.slides() ? without_strips(parts) : parts) {
       HeldPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(held_.size());

@@ -39,10 +39,12 @@ std::vector<BoundaryConditions::Hold> BoundaryConditions::holds(const Discretisa
   for (const ContactPoint& p : contacts_) {
     const Contact& contact = case_.contacts[p.contact];
     if (!acts(contact.stages)) continue;
+    Hold hold{p.anchor.body, -1, -1, p.anchor.X, p.normal};
+    if (contact.kind != Contact::Kind::tie) hold.contact = p.contact, hold.gap = p.gap;
     if (contact.kind == Contact::Kind::frictionless)
-      all.push_back({p.anchor.body, -1, -1, p.anchor.X, p.normal});
+      all.push_back(hold);
     else
-      along_axes({p.anchor.body, -1, -1, p.anchor.X, Vec3::Zero()}, [](int) { return true; });
+      along_axes(hold, [](int) { return true; });
   }
   return all;
 }

@@ -14,7 +14,7 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
     const int body = body_index(c, spec.body);
     std::vector<SurfacePart> parts;
     found.look([&] { parts = caught_surface("pressure." + spec.name, spec.where, body, spec.body, surface, dimension_); });
-    for (const auto& [s, share] : parts) {
+    for (const auto& [s, share] : without_strips(parts)) {
       PressurePoint point;
       point.anchor = anchor_at(body, s.X, s.normal);
       point.id = static_cast<int>(pressures_.size());

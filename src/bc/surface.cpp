@@ -58,4 +58,25 @@ std::vector<SurfacePart> caught_surface(const std::string& table, const Where& w
   return parts;
 }
 
+std::vector<SurfacePart> without_strips(const std::vector<SurfacePart>& parts) {
+  constexpr double whole = 1.0 - 1e-9, elsewhere = 0.7, alike = 0.95, little = 0.1;
+  Vec3 main = Vec3::Zero();
+  for (const auto& [s, share] : parts) main += share * s.area * s.normal;
+  if (main.isZero(0.0)) return parts;
+  main.normalize();
+  std::vector<SurfacePart> meant;
+  double all = 0.0, strips = 0.0;
+  for (const SurfacePart& part : parts) {
+    const double along = main.dot(part.piece.normal), area = part.share * part.piece.area;
+    all += area;
+    if (along > alike) {
+      meant.push_back(part);
+      continue;
+    }
+    if (along > elsewhere || part.share >= whole) return parts;  // a curved face, or more of another one than a strip
+    strips += area;
+  }
+  return strips < little * all ? meant : parts;
+}
+
 }  // namespace berm

@@ -38,6 +38,10 @@ std::vector<SurfacePart> caught_surface(const std::string& table, const Where& w
                                         const std::string& body_name, const std::vector<SurfacePoint>& surface,
                                         int dimension);
 
+/// The parts without strips that the border of a region cuts off other faces where it lies a little beyond a corner: narrower than a
+/// piece, and less than a tenth of all.
+std::vector<SurfacePart> without_strips(const std::vector<SurfacePart>& parts);
+
 /// A place of a body that has not moved yet.
 inline Anchor anchor_at(int body, const Vec3& x, const Vec3& normal = Vec3::Zero()) {
   Anchor a;

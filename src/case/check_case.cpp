@@ -132,18 +132,21 @@ private:
     }
   }
 
-  /// Two contacts of the same two deformable bodies at once would push twice.
+  /// Two contacts of the same two bodies at once would push twice.
   void check_pairs() const {
-    const auto pair = [](const Contact& c) { return std::minmax(c.body, c.other); };
+    const auto pair = [](const Contact& c) {  // of rigid bodies the name cannot be that of a deformable one
+      const std::string& other = c.other.empty() ? c.rigid : c.other;
+      return std::pair(std::min(c.body, other), std::max(c.body, other));
+    };
     for (std::size_t k = 0; k < c_.contacts.size(); ++k)
       for (std::size_t i = 0; i < k; ++i) {
         const Contact &first = c_.contacts[i], &second = c_.contacts[k];
-        if (first.other.empty() || pair(first) != pair(second)) continue;
+        if (pair(first) != pair(second)) continue;
         if (first.stages.empty() || second.stages.empty() ||
             std::find_first_of(first.stages.begin(), first.stages.end(), second.stages.begin(), second.stages.end()) !=
                 first.stages.end())
           at("contact", second.name)
-              .explain("other",
+              .explain(second.other.empty() ? "rigid" : "other",
                        fmt::format("[contact.{}] is for the same two bodies already; give them different stages",
                                    first.name));
       }

@@ -16,6 +16,22 @@ Place place_in(const Node& root, const std::string& kind, const std::string& nam
   return entry ? entry->place : table->place;
 }
 
+namespace {
+
+bool is_nothing(const Pressure& p) { return p.traction ? p.traction->is_zero() : p.value.is_zero(); }
+
+/// No weight, load, motion or velocity.
+bool nothing_acts(const Case& c) {
+  const auto rests = [](const Body& b) { return b.displacement.is_zero() && b.acceleration.is_zero() && b.velocity.is_zero(); };
+  const auto holds_still = [](const NodeBoundary& b) {
+    return b.un.is_zero() && std::all_of(b.u.begin(), b.u.end(), [](const auto& u) { return !u || u->is_zero(); });
+  };
+  return c.gravity.is_zero() && std::all_of(c.bodies.begin(), c.bodies.end(), rests) && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing) &&
+         std::all_of(c.boundaries.begin(), c.boundaries.end(), holds_still);
+}
+
+}  // namespace
+
 void doubt_case(const Case& c, const Node& root, Problems& problems) {
   constexpr double most_gravity = 1000.0;  // a hundred times the Earth's, in a centrifuge [m/s2]
   constexpr double most_friction = 3.0;
@@ -31,10 +47,13 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
     if (k.friction > most_friction)
       problems.warn(place_in(root, "contact", k.name, "friction"),
                     fmt::format("friction = {:.6g} is a coefficient: did you mean tan({:.6g} degrees)?", k.friction, k.friction));
-  const auto is_nothing = [](const Pressure& p) {
-    const auto zero = [](const TimeFunction& f) { return f.is_number() && f.number() == 0.0; };
-    return p.traction ? std::all_of(p.traction->component.begin(), p.traction->component.end(), zero) : zero(p.value);
-  };
+  if (nothing_acts(c))
+    problems.warn(place_in(root, "model", "", "gravity"),
+                  "nothing acts on the bodies: no gravity ([model] gravity = [0.0, -9.81]), no load, no motion of a support or a rigid body, no velocity");
+  if (const TimeFunction& radial = c.gravity.component[0]; c.space == Space::axisymmetric && radial.is_number() && !radial.is_zero())
+    problems.error(place_in(root, "model", "", "gravity"),
+                   "gravity along the radius is no weight: the axis of rotation is y, gravity = [0.0, -9.81]. What turns has [body.NAME] acceleration = "
+                   "[\"omega^2*x\", 0.0]");
   if (c.control.kind == Control::Kind::gauge && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing))
     problems.error(place_in(root, "control", "", "kind"), "\"gauge\" scales the pressures of the case, and all are zero: give one a value");
   for (const Body& b : c.bodies)

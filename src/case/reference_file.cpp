@@ -207,7 +207,7 @@ private:
     used_.push_back(column);
     if (unit.empty())
       return at(lines_[header_], fmt::format("column \"{}\" has no unit: write it behind the name, {} = \"{} [{}]\"", name,
-                                             axis.key, name, file_unit(axis.units.back())));
+                                             axis.key, name, unit_in_round_brackets(name).value_or(std::string(file_unit(axis.units.back())))));
     const auto meaning = meaning_of(unit);
     if (!meaning)
       return at(lines_[header_], fmt::format("column \"{}\" has the unknown unit \"{}\"; known: {}", name, unit,
@@ -215,6 +215,14 @@ private:
     if (std::find(axis.units.begin(), axis.units.end(), meaning->unit) != axis.units.end()) return "";
     return at(lines_[header_], fmt::format("column \"{}\" in [{}] cannot be {}, which is {}", name, unit, axis.key,
                                            axis.wanted));
+  }
+
+  /// "Weg (mm)", as other programs write it.
+  static std::optional<std::string> unit_in_round_brackets(const std::string& name) {
+    const std::size_t open = name.rfind('('), close = name.rfind(')');
+    if (open == std::string::npos || close == std::string::npos || close < open) return std::nullopt;
+    const std::string unit = name.substr(open + 1, close - open - 1);
+    return meaning_of(unit) ? std::optional(unit) : std::nullopt;
   }
 
   static std::string known_units(const Axis& axis) {

@@ -223,6 +223,7 @@ std::string unit_doubt(std::string_view key, Unit unit, double value) {
     return doubt("kPa or MPa");
   } else if (unit == Unit::density) {
     if (size < 10.0) return doubt("t/m3 or g/cm3");
+    if (size < 50.0) return doubt("a unit weight in kN/m3, of which 20 are a density of 2039 kg/m3");
     if (size > 3e4) return doubt("a smaller number");
   } else if (unit == Unit::angle && size < degree) {
     return doubt("rad");

@@ -26,12 +26,27 @@ bool is_there(int descriptor, const std::string& path) {
   return ::fstat(descriptor, &held) == 0 && ::lstat(path.c_str(), &there) == 0 && held.st_ino == there.st_ino;
 }
 
+/// Empty if there is none; a pipe would never end.
+std::string first_line(const std::filesystem::path& path) {
+  std::string line;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return line;
+  std::ifstream file(path);
+  std::getline(file, line);
+  return line;
+}
+
 /// Who holds the lock, as written into it.
 std::string holder(const std::string& path) {
-  std::string words;
-  std::ifstream file(path);
-  std::getline(file, words);
+  const std::string words = first_line(path);
   return words.empty() ? words : " (" + words + ")";
+}
+
+/// Which the next run into the folder removes.
+bool is_result(const std::string& name) {
+  const bool frame = (name.ends_with(".vtu") || name.ends_with(".pvtu")) &&
+                     (name.starts_with("points_") || name.starts_with("mesh_") || name.starts_with("surface_"));
+  return frame || name == "summary.json" || name == "history.csv" || name == "checkpoint.h5" || name.ends_with(".pvd");
 }
 
 }  // namespace
@@ -79,14 +94,18 @@ void refuse_finished(const std::filesystem::path& folder) {
                                folder.string()));
 }
 
-void remove_old_results(const std::filesystem::path& folder) {
+void refuse_foreign(const std::filesystem::path& folder) {
+  if (first_line(folder / "log.txt").starts_with("berm ")) return;  // what every run writes first
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    const bool frame = (name.ends_with(".vtu") || name.ends_with(".pvtu")) &&
-                       (name.starts_with("points_") || name.starts_with("mesh_") || name.starts_with("surface_"));
-    if (frame || name == "summary.json" || name == "history.csv" || name == "checkpoint.h5" || name.ends_with(".pvd"))
-      std::filesystem::remove(entry.path());
+    if (is_result(name) || name == "log.txt" || name == "case.toml")
+      throw InputError(fmt::format("{}: holds a file \"{}\" that is not of a run, and would be lost: choose another folder with --out", folder.string(), name));
   }
+}
+
+void remove_old_results(const std::filesystem::path& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (is_result(entry.path().filename().string())) std::filesystem::remove(entry.path());
 }
 
 }  // namespace berm

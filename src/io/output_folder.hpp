@@ -23,6 +23,9 @@ private:
 /// Throws InputError if the folder holds the results of a run that came to its end.
 void refuse_finished(const std::filesystem::path& folder);
 
+/// Throws InputError if no run has written to the folder and it holds files that one would replace or remove: those of the user.
+void refuse_foreign(const std::filesystem::path& folder);
+
 /// Files of an earlier run in the same folder would mix with those of a new one.
 void remove_old_results(const std::filesystem::path& folder);
 

@@ -259,9 +259,9 @@ SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointS
     const bool solid = region.dimension() == 3;
     throw InputError(
         fmt::format("body \"{}\" has {} of {:.6g} {}, but only {:.6g} {} lie inside the background grid: make the grid "
-                    "larger",
+                    "larger{}",
                     body, solid ? "a volume" : "an area", region.measure(), solid ? "m3" : "m2", sum,
-                    solid ? "m3" : "m2"));
+                    solid ? "m3" : "m2", sum < 0.01 * region.measure() ? "; or are the lengths of the body in mm? Here they are in m" : ""));
   }
   return out;
 }

@@ -201,8 +201,8 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
     throw InputError(fmt::format("{}: was written in stage {} of a run; this case has {}", path, world.stage + 1,
                                  world.spec.stages.size()));
   if (const Stage& stage = world.present_stage(); world.time > stage.end() * (1.0 + 1e-12))
-    throw InputError(fmt::format("{}: was written at time {:.6g}, and its stage ends at {:.6g} now: let it end later (steps.duration)", path,
-                                 world.time, stage.end()));
+    throw InputError(fmt::format("{}: was written at time {:.6g}, and its stage ends at {:.6g} now: let it end later ({}.duration)", path,
+                                 world.time, stage.end(), stage.name.empty() ? "steps" : "stage." + stage.name));
   step.set_up_stage();
   control = StepControl(world.present_stage());
   world.load_factor = file.read_number("load_factor");

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -109,6 +110,19 @@ private:
   int count_ = 0;
 };
 
+/// Bodies are seen where they start: what contact does in later stages is not known.
+bool is_first(const World& w, const std::string& stage) { return stage == w.spec.stages.front().name; }
+
+/// Whether two deformable bodies have nodes of the grid in common. Collective.
+bool meet(const World& w, const Contact& k) {
+  const auto layers = std::minmax(w.layers[body_index(w.spec, k.body)], w.layers[body_index(w.spec, k.other)]);
+  const auto& all = w.discretisation->interfaces();
+  return w.comm.any(std::any_of(all.begin(), all.end(), [&](const Interface& at) { return std::minmax(at.field_a, at.field_b) == layers; }));
+}
+
+/// A contact farther apart than this at the start holds nothing in the first step [cells].
+constexpr double apart = 0.01;
+
 /// Parts that share nodes, are tied or touch by contact with friction in a stage move together. Collective.
 Groups find_assemblies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, const Pieces& pieces) {
   const Case& c = w.spec;
@@ -121,7 +135,8 @@ Groups find_assemblies(const World& w, const std::string& stage, const std::vect
   for (const Joint& j : w.joints)
     if (j.contact < 0 || acts_in(c.contacts[j.contact].stages, stage)) join_bodies(j.body, j.other);
   for (const Contact& k : c.contacts)
-    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, stage))
+    if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, stage) &&
+        (k.kind == Contact::Kind::tie || !is_first(w, stage) || meet(w, k)))
       join_bodies(body_index(c, k.body), body_index(c, k.other));
   std::set<std::array<int, 2>> common;
   for (int i = 0; i < d.halo.n_owned; ++i) {
@@ -154,7 +169,9 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
   }
   for (auto& [root, a] : assemblies)
     for (int i = 0; i < 3; ++i) a.low[i] = w.comm.min(a.low[i]), a.high[i] = w.comm.max(a.high[i]);
+  const double far = is_first(w, stage) ? apart * d.cell_size() : std::numeric_limits<double>::infinity();
   for (const auto& hold : w.boundary->holds(d)) {
+    if (hold.gap > far) continue;
     std::set<int> held;
     if (hold.body >= 0) held.insert(groups.of(pieces.at(hold.body, hold.at)));
     for (std::size_t b = 0; hold.node >= 0 && b < share.size(); ++b)
@@ -352,6 +369,26 @@ void refuse_jumps(const World& w) {
 
 namespace {
 
+/// What those contacts with rigid bodies lack that could hold a body of that name in the first stage and do not reach it. Collective.
+std::string contacts_apart(const World& w, const std::vector<std::string>& names) {
+  const Case& c = w.spec;
+  const std::string& first = c.stages.front().name;
+  std::vector<double> gap(c.contacts.size(), std::numeric_limits<double>::infinity());
+  for (const auto& hold : w.boundary->holds(*w.discretisation))
+    if (hold.contact >= 0) gap[hold.contact] = std::min(gap[hold.contact], hold.gap);
+  std::string words;
+  for (std::size_t k = 0; k < gap.size(); ++k) {
+    const Contact& contact = c.contacts[k];
+    const double nearest = w.comm.min(gap[k]);
+    const bool named = std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n == fmt::format("\"{}\"", contact.body); });
+    if (named && acts_in(contact.stages, first) && contact.other.empty() && nearest > apart * w.discretisation->cell_size() && std::isfinite(nearest))
+      words += fmt::format(" [contact.{}] is {:.3g} m apart: let the bodies touch at the start.", contact.name, nearest);
+    if (named && acts_in(contact.stages, first) && !contact.other.empty() && contact.kind != Contact::Kind::tie && !meet(w, contact))
+      words += fmt::format(" [contact.{}]: \"{}\" and \"{}\" have no node of the grid in common: let them touch at the start.", contact.name, contact.body, contact.other);
+  }
+  return words;
+}
+
 /// In the stage that the boundary conditions are in.
 void look_for_free_bodies(const World& w, const std::string& stage, Findings& found) {
   const Case& c = w.spec;
@@ -364,11 +401,12 @@ void look_for_free_bodies(const World& w, const std::string& stage, Findings& fo
     if (motion.empty()) continue;
     const std::vector<std::string> names = names_of(w, groups, pieces, root);
     const bool one = names.size() == 1;
+    const std::string reach = is_first(w, stage) ? contacts_apart(w, names) : "";
     const std::string when = c.stages.size() > 1 ? fmt::format(" in [stage.{}]", stage) : "";
     found.look([&] {
-      throw InputError(fmt::format("{} {}, near {}, can {}{}: nothing holds {} there. A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
+      throw InputError(fmt::format("{} {}, near {}, can {}{}: nothing holds {} there.{} A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
                                    "[contact.NAME] with something that is held, or analysis = \"dynamic\"",
-                                   one ? "body" : "bodies", fmt::join(names, ", "), place_text(c, assembly.centre()), motion, when, one ? "it" : "them"));
+                                   one ? "body" : "bodies", fmt::join(names, ", "), place_text(c, assembly.centre()), motion, when, one ? "it" : "them", reach));
     });
   }
 }

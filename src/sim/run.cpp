@@ -422,6 +422,11 @@ void run_case(Case spec, const RunOptions& given) {
       throw InputError(
           fmt::format("{}: cannot create the output folder: {}", options.folder.string(), error.message()));
     lock = FolderLock(options.folder);
+    refuse_foreign(options.folder);
+    for (const ReferenceCurve& curve : spec.output.references)
+      if (std::filesystem::equivalent(curve.file, options.folder / "history.csv", error))
+        throw InputError(fmt::format("{}: holds the reference curve {}, which the run would replace: choose another folder with --out",
+                                     options.folder.string(), curve.file));
     if (!options.restart.empty()) return;
     if (!options.replace_finished) refuse_finished(options.folder);
     remove_old_results(options.folder);

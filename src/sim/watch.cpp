@@ -106,6 +106,7 @@ void Watch::look_now_and_then() {
   look_for_large_motion();
   look_for_smeared_cracks();
   look_for_lag();
+  look_for_torn_ties();
 }
 
 void Watch::look_last() {
@@ -232,6 +233,22 @@ void Watch::look_for_lag() {
   warn_(fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "
                     "nodes of the grid, a rigid body or a tie that move otherwise. Leave out one of the two, or keep their regions a cell apart",
                     b.name, found[1], b.body, place_text(world_.spec, Vec3(found[2], found[3], found[4])), missing, world_.time));
+}
+
+/// A tie gives way by a thousandth of what a cell does.   [boundaries (3)]
+void Watch::look_for_torn_ties() {
+  constexpr double told = 0.01, most = 1.0;  // cells
+  const double h = world_.discretisation->cell_size();
+  for (const auto& [k, apart] : world_.boundary->tied_apart()) {
+    const Contact& tie = world_.spec.contacts[k];
+    if (apart <= told * h || (torn_told_ && apart <= most * h)) continue;
+    const std::string text = fmt::format("the surfaces that [contact.{}] ties are {:.3g} m ({:.2g} cells) apart or deep in one another at time {:.6g}: what is prescribed "
+                                         "tears or crushes the body, and the reaction is that of the tie. Is the motion meant to be so large, in m",
+                                         tie.name, apart, apart / h, world_.time);
+    if (apart > most * h) throw RunError(text + "?");
+    torn_told_ = true;
+    warn_(text + "?");
+  }
 }
 
 /// A crack of a law with a crack band is a column of cells. Where a uniform zone softens, nothing says which: many do side by

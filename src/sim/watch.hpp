@@ -58,12 +58,13 @@ private:
   void look_for_large_motion();
   void look_for_smeared_cracks();
   void look_for_lag();
+  void look_for_torn_ties();
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
 
   const World& world_;
   Say warn_;
   std::vector<Obstacle> obstacles_;
-  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false, smeared_told_ = false, motion_told_ = false, lag_told_ = false;
+  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false, smeared_told_ = false, motion_told_ = false, lag_told_ = false, torn_told_ = false;
   // of the last steps
   std::vector<Vec3> reaction_, change_, rate_;  ///< by case body
   std::vector<double> largest_;                 ///< reaction so far [N]
