@@ -545,7 +545,10 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   }
   residual(x, r);  // the trial state of the solution, if a rejected line search came after it
   result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
-  if (motion_) result.time_error = motion_->error(*world_.discretisation, du_);
+  if (motion_) {
+    result.time_error = motion_->error(*world_.discretisation, du_);
+    result.steps_a_period = motion_->steps_a_period(*world_.discretisation, du_);
+  }
   return result;
 }
 

@@ -18,6 +18,7 @@ struct StepResult {
   double residual = 0.0;             ///< norm over the norm of the forces [-]
   double extrapolation_error = 0.0;  ///< impl_ex: largest error of a stress over the strength [-]
   double time_error = 0.0;           ///< dynamic: of the time integration [-]
+  double steps_a_period = 0.0;       ///< dynamic: 0 if nothing swings [-]
   double at_rest = 0.0;              ///< nothing changed, so nothing was solved: residual that was there [-]
   std::vector<double> residuals;     ///< every norm, relative
   Vec3 where = Vec3::Zero();         ///< not converged: the node at which forces balance least

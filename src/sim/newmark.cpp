@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace berm {
 
@@ -241,6 +242,18 @@ double Newmark::error(const Discretisation& d, const NodalVector& du) const {
   change = d.comm().sum(change);
   size = d.comm().sum(size);
   return size > 0.0 ? std::abs(beta_ - 1.0 / 6.0) * dt_ * dt_ * std::sqrt(change / size) : 0.0;
+}
+
+double Newmark::steps_a_period(const Discretisation& d, const NodalVector& du) const {
+  const NodalVector a = acceleration(du);
+  double back = 0.0, size = 0.0;
+  for (int i = 0; i < d.halo.n_owned; ++i) {
+    back -= whole_mass_[i] * (a[i] - a0_[i]).dot(du[i]);
+    size += whole_mass_[i] * du[i].squaredNorm();
+  }
+  back = d.comm().sum(back);
+  size = d.comm().sum(size);
+  return back > 0.0 && size > 0.0 ? 2.0 * std::numbers::pi / (std::sqrt(back / size) * dt_) : 0.0;
 }
 
 }  // namespace berm

@@ -54,6 +54,8 @@ public:
   double kinetic_energy(const Discretisation& d, const NodalVector& v) const;
   /// Error of the step: of the mean acceleration, relative to its displacement. Collective.   [(16)]
   double error(const Discretisation& d, const NodalVector& du) const;
+  /// Steps in a period of what moves, by its kinetic energy; 0 if nothing swings. Collective.   [(16a)]
+  double steps_a_period(const Discretisation& d, const NodalVector& du) const;
 
 private:
   double velocity_by_increment() const { return gamma_ / (beta_ * dt_); }  ///< dv/du at t_{n+1}

@@ -380,10 +380,13 @@ std::string contacts_apart(const World& w, const std::vector<std::string>& names
   for (std::size_t k = 0; k < gap.size(); ++k) {
     const Contact& contact = c.contacts[k];
     const double nearest = w.comm.min(gap[k]);
-    const bool named = std::any_of(names.begin(), names.end(), [&](const std::string& n) { return n == fmt::format("\"{}\"", contact.body); });
-    if (named && acts_in(contact.stages, first) && contact.other.empty() && nearest > apart * w.discretisation->cell_size() && std::isfinite(nearest))
+    const bool named = std::any_of(names.begin(), names.end(), [&](const std::string& n) {
+      return n == fmt::format("\"{}\"", contact.body) || n == fmt::format("\"{}\"", contact.other);
+    });
+    if (!named || !acts_in(contact.stages, first)) continue;
+    if (contact.other.empty() && nearest > apart * w.discretisation->cell_size() && std::isfinite(nearest))
       words += fmt::format(" [contact.{}] is {:.3g} m apart: let the bodies touch at the start.", contact.name, nearest);
-    if (named && acts_in(contact.stages, first) && !contact.other.empty() && contact.kind != Contact::Kind::tie && !meet(w, contact))
+    if (!contact.other.empty() && contact.kind != Contact::Kind::tie && !meet(w, contact))
       words += fmt::format(" [contact.{}]: \"{}\" and \"{}\" have no node of the grid in common: let them touch at the start.", contact.name, contact.body, contact.other);
   }
   return words;

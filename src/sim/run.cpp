@@ -7,7 +7,6 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
-#include <numbers>
 #include <utility>
 
 #include "base/error.hpp"
@@ -211,7 +210,7 @@ private:
         worst_still_ = std::max(worst_still_, result.residual);
       }
       watch(result);
-      if (result.time_error > 0.0) time_errors_.push_back(result.time_error);
+      if (result.steps_a_period > 0.0) steps_a_period_.push_back(result.steps_a_period);
       recorder_.record(result, integration);
       if (integration == Integration::implicit)
         control_.after_implicit(result.iterations, result.time_error);
@@ -326,14 +325,14 @@ private:
     tell_where();
   }
 
-  /// The error of a step with the period T of its motion is (2 pi dt / T)^2 / 12.   [dynamics (16)]
+  /// A step that is long beside the period of the motion damps it or shifts its phase.   [dynamics (16)]
   void tell_long_steps() {
     constexpr std::size_t enough = 5;
     constexpr double few = 10.0, good = 20.0;  // steps a period
-    if (time_errors_.size() < enough) return;
-    const auto middle = time_errors_.begin() + time_errors_.size() / 2;
-    std::nth_element(time_errors_.begin(), middle, time_errors_.end());
-    const double a_period = 2.0 * std::numbers::pi / std::sqrt(12.0 * *middle);
+    if (steps_a_period_.size() < enough) return;
+    const auto middle = steps_a_period_.begin() + steps_a_period_.size() / 2;
+    std::nth_element(steps_a_period_.begin(), middle, steps_a_period_.end());
+    const double a_period = *middle;
     if (a_period < few)
       log_.info(fmt::format("steps in motion      are long: half of them have less than {:.2g} a period of what moves, which damps it or shifts its phase. Where that "
                             "matters take {:.2g} times as many (steps.count), or [dynamics] error_tolerance = 0.005",
@@ -392,7 +391,7 @@ private:
   std::chrono::steady_clock::time_point saved_;  ///< last checkpoint
   int n_still_ = 0;                              ///< steps that stood still
   double worst_still_ = 0.0;                     ///< their largest residual
-  std::vector<double> time_errors_;              ///< of the steps in motion
+  std::vector<double> steps_a_period_;           ///< in motion
   bool rest_told_ = false;
   std::string choice_;                           ///< of the linear solver, as last logged
 };

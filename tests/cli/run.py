@@ -151,6 +151,27 @@ def finished_run_is_kept():
             or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5"), 0))
 
 
+def files_of_the_user_are_kept():
+    """A case beside the results, a curve of the user under the name of a history, a curve in the folder that is replaced."""
+    before = CASE + "# mine\n"
+    why = wrong(berm("run", "case.toml", "--out", ".", text=before), 2, 'holds a file "case.toml" that is not of a run', "--out")
+    if why or pathlib.Path("case.toml").read_text() != before:
+        return why or "case.toml was replaced"
+    for name in ("history.csv", "points_0007.vtu", "summary.json", "log.txt"):
+        folder = pathlib.Path("own_" + name)
+        folder.mkdir()
+        (folder / name).write_text("mine\n")
+        why = wrong(berm("run", "case.toml", "--out", str(folder), "--force"), 2, f'holds a file "{name}" that is not of a run')
+        if why or files(folder) != [name] or (folder / name).read_text() != "mine\n":
+            return why or f"{name} was touched"
+    folder = pathlib.Path("beside")
+    folder.mkdir()
+    (folder / "notes.txt").write_text("mine\n")  # no run writes or removes such
+    why = wrong(berm("run", "case.toml", "--out", str(folder)), 0)
+    curve = CASE + '[output]\nreferences = ["beside/history.csv"]\n'
+    return why or wrong(berm("run", "case.toml", "--out", str(folder), "--force", text=curve), 2, "holds the reference curve", "--out")
+
+
 def failed_run_makes_way():
     stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t + 0*x)"')  # what depends on the place is not looked at before
     return wrong(berm("run", "case.toml", text=stops), 1) or wrong(berm("run", "case.toml"), 0)

@@ -79,6 +79,15 @@ MODELS = {
     "a mesh in two pieces that touch": (FEM + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "seam.msh"\n' + BASE + FEW, [("body.a", "warning: 2 nodes lie in the place of another")]),
     "two idle supports": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "1.1999").replace("1.0001", "1.2001") + TOP.replace("top", "above").replace("0.9999", "1.2999").replace("1.0001", "1.3001") + FEW,
                           [("boundary.top", "warning: holds nothing at the start"), ("boundary.above", "warning: holds nothing at the start")]),
+    "a plate out of reach": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.0, 0.3]") + PLATE.replace("[-0.1, 1.0]", "[-0.1, -0.1]").replace("[1.1, 1.4]", "[1.1, 0.0]")
+                             + ON_PLATE.replace("KIND", "no_slip") + FEW, [("body.a", "[contact.c] is 0.3 m apart")]),
+    "a block out of reach": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[1.0, 0.5]") + UPON + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE + FEW,
+                             [("body.b", "have no node of the grid in common")]),
+    "touched in two ways": (GRID + ELASTIC + BLOCK + BASE + PLATE + ON_PLATE.replace("KIND", "tie") + ON_PLATE.replace("KIND", "no_slip").replace("contact.c", "contact.d") + FEW,
+                            [("contact.d", "is for the same two bodies already")]),
+    "weight along the radius": ('model = { plane = "axisymmetric", gravity = [-9.81, 0.0] }\n' + GRID.replace("[-0.2,", "[0.0,") + ELASTIC + BLOCK + BASE + FEW,
+                                [("model", "gravity along the radius is no weight")]),
+    "nothing acts": (GRID + "[model]\ngravity = [0.0, 0.0]\n" + ELASTIC + BLOCK + BASE + FEW, [("model", "warning: nothing acts on the bodies")]),
     "a plate that touches nothing": (GRID + ELASTIC + BLOCK + BASE + PLATE + FEW, [("body.plate", "warning: touches nothing")]),
     "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
                                + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
