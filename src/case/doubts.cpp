@@ -50,7 +50,7 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
   if (nothing_acts(c))
     problems.warn(place_in(root, "model", "", "gravity"),
                   "nothing acts on the bodies: no gravity ([model] gravity = [0.0, -9.81]), no load, no motion of a support or a rigid body, no velocity");
-  if (const TimeFunction& radial = c.gravity.component[0]; c.space == Space::axisymmetric && radial.is_number() && !radial.is_zero())
+  if (const TimeFunction& radial = c.gravity.component[0]; c.space == Space::axisymmetric && !radial.is_zero() && !radial.depends_on_place())
     problems.error(place_in(root, "model", "", "gravity"),
                    "gravity along the radius is no weight: the axis of rotation is y, gravity = [0.0, -9.81]. What turns has [body.NAME] acceleration = "
                    "[\"omega^2*x\", 0.0]");

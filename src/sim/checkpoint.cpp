@@ -92,6 +92,13 @@ RecorderState load_recorder(const CheckpointFile& file) {
 
 std::string files_text(const World& world) { return "of the case:\n" + world.file_contents; }
 
+/// The key of the first file in which two such texts differ.
+std::string first_other_key(const std::string& a, const std::string& b) {
+  const auto other = std::mismatch(a.begin(), a.end(), b.begin(), b.end()).first - a.begin();
+  const std::size_t begin = a.rfind('\n', static_cast<std::size_t>(other)) + 1;
+  return a.substr(begin, a.find(' ', begin) - begin);
+}
+
 /// The numbers that a checkpoint of this case must have.
 void check_case(const CheckpointFile& file, const World& world, const std::string& path, const std::vector<Difference>& changed) {
   const auto refuse = [&](const std::string& what) {
@@ -103,8 +110,8 @@ void check_case(const CheckpointFile& file, const World& world, const std::strin
   const Case& c = world.spec;
   for (const Difference& d : changed)
     if (d.of_the_model()) refuse(d.text());
-  if (file.read_text("files") != files_text(world))
-    throw InputError(fmt::format("{}: a file that the case names, a mesh or a surface, has changed since it was written: go on with the one that was", path));
+  if (const std::string there = file.read_text("files"), here = files_text(world); there != here)
+    throw InputError(fmt::format("{}: the file of {} has changed since the checkpoint was written: go on with the one that was", path, first_other_key(there, here)));
   expect("kind of model", file.read_number("space"), static_cast<int>(c.space));
   expect("bodies:", file.read_number("bodies"), static_cast<double>(c.bodies.size()));
   expect("boundaries:", file.read_number("boundaries"), static_cast<double>(c.boundaries.size()));

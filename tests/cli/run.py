@@ -172,6 +172,34 @@ def files_of_the_user_are_kept():
     return why or wrong(berm("run", "case.toml", "--out", str(folder), "--force", text=curve), 2, "holds the reference curve", "--out")
 
 
+SQUARE = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+$EndNodes
+$Elements
+1
+1 3 2 1 1 1 2 3 4
+$EndElements
+"""
+
+
+def mesh_that_has_changed():
+    """A checkpoint belongs to the mesh that it was written with."""
+    text = re.sub(r"grid = .*\n", "", CASE)
+    text = 'method = "fem"\n' + re.sub(r"shape\.[^\n]*", 'file = "square.msh"', text)
+    pathlib.Path("square.msh").write_text(SQUARE)
+    why = wrong(berm("run", "case.toml", "--set", "checkpoint.every_steps=2", text=text), 0)
+    why = why or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5", "--out", "again", text=text), 0)
+    pathlib.Path("square.msh").write_text(SQUARE.replace("3 1 1 0", "3 1 1.01 0"))
+    return why or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5", "--out", "other", text=text), 2, "the file of body.a.file has changed since the checkpoint was written")
+
+
 def failed_run_makes_way():
     stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t + 0*x)"')  # what depends on the place is not looked at before
     return wrong(berm("run", "case.toml", text=stops), 1) or wrong(berm("run", "case.toml"), 0)
@@ -437,7 +465,7 @@ def progress():
     return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
 
 
-TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
+TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
          signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, progress]
 
 

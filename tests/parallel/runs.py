@@ -1237,6 +1237,7 @@ class Refused(Case):
         for n in processes:
             out = fresh(f"refused_{n}")
             out.mkdir()
+            (out / "log.txt").write_text("berm 0.1.0\n")  # a folder of results
             (out / "history.csv").write_text("step [-]\n0\n")
             done = call(command(name, out, n, overrides, ["--restart", str(file)]))
             self.assert_one_message(done, 2, words)

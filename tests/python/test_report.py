@@ -234,7 +234,12 @@ class ReportCorners(unittest.TestCase):
         synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
         before = sorted(os.listdir(self.path))
         missing = os.path.join(self.folder.name, "no", "such")
-        for out, words in ((os.path.join(missing, "x.html"), f"there is no folder {missing} (create it"), (self.path, "it is a folder (name")):
+        case, page = os.path.join(self.path, "case.toml"), os.path.join(self.path, "notes.html")
+        with open(page, "w", encoding="utf-8") as file:
+            file.write("mine")
+        before = sorted(os.listdir(self.path))
+        for out, words in ((os.path.join(missing, "x.html"), f"there is no folder {missing} (create it"), (self.path, "it is a folder (name"),
+                           (case, "a report is a page of HTML"), (page, "it holds something that is not a report")):
             with self.subTest(out):
                 code, printed, errors = run_main(self.path, "--out", out)
                 self.assertEqual((code, printed, errors.count("\n")), (2, "", 1))

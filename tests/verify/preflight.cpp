@@ -254,7 +254,7 @@ TEST(Preflight, FlatCellsHaveProbesToo) {
 TEST(Preflight, BeamsOfFewCells) {
   const std::string beam = body("a", box(0, 0, 2, 0.2)) + base + material;
   const auto notes = [](const std::string& text, const std::vector<std::string>& overrides = {}) {
-    return build_world(case_of(text, overrides))->notes;
+    return build_world(case_of(text, overrides))->thin_parts;
   };
   // A cantilever of 2 cells is 1.12 times too stiff, one of a single cell 1.50 times.
   const auto two = notes(grid + beam);
