@@ -98,6 +98,7 @@ void refuse_foreign(const std::filesystem::path& folder) {
   if (first_line(folder / "log.txt").starts_with("berm ")) return;  // what every run writes first
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
+    if (entry.is_directory()) continue;  // cannot be replaced
     if (is_result(name) || name == "log.txt" || name == "case.toml")
       throw InputError(fmt::format("{}: holds a file \"{}\" that is not of a run, and would be lost: choose another folder with --out", folder.string(), name));
   }

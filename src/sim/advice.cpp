@@ -78,7 +78,11 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips)
                      : damage ? "The structure snaps back or collapses here"
                      : plastic ? "The load is more than can be borne, or contact or supports let go"
                                : "Supports or contact let a body go, or it buckles";
-  return fmt::format("{}: {}", what, fmt::join(ways, ", or "));
+  std::vector<std::string> rubbing;
+  for (const Contact& k : c.contacts)
+    if (k.kind == Contact::Kind::friction && acts_in(k.stages, stage.name)) rubbing.push_back("[contact." + k.name + "]");
+  const std::string friction = slips || rubbing.empty() ? "" : fmt::format(" (perhaps the friction of {} cannot hold it)", fmt::join(rubbing, ", "));
+  return fmt::format("{}{}: {}", what, friction, fmt::join(ways, ", or "));
 }
 
 std::string advice_on_penetration(const Case& c) {
