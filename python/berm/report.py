@@ -472,7 +472,7 @@ def refuse_target(out):
         raise ResultError(f"cannot write {out}: a report is a page of HTML (name a file that ends with .html with --out)")
     if os.path.isfile(out) and not os.path.islink(out):  # a link is replaced, not what it points to
         with open(out, encoding="utf-8", errors="replace") as file:
-            if not file.read(len(PAGE_BEGINS)) in ("", PAGE_BEGINS):
+            if file.read(len(PAGE_BEGINS)) not in ("", PAGE_BEGINS):
                 raise ResultError(f"cannot write {out}: it holds something that is not a report (name another file with --out)")
 
 

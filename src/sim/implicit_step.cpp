@@ -546,8 +546,8 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   residual(x, r);  // the trial state of the solution, if a rejected line search came after it
   result.extrapolation_error = world_.comm.max(world_.discretisation->material.max_extrapolation_error());
   if (motion_) {
-    result.time_error = motion_->error(*world_.discretisation, du_);
-    result.steps_a_period = motion_->steps_a_period(*world_.discretisation, du_);
+    const Newmark::Resolution resolution = motion_->resolution(*world_.discretisation, du_);
+    result.time_error = resolution.error, result.steps_a_period = resolution.steps_a_period;
   }
   return result;
 }

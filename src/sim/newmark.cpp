@@ -232,28 +232,19 @@ double Newmark::kinetic_energy(const Discretisation& d, const NodalVector& v) co
   return sum;
 }
 
-double Newmark::error(const Discretisation& d, const NodalVector& du) const {
+Newmark::Resolution Newmark::resolution(const Discretisation& d, const NodalVector& du) const {
   const NodalVector a = acceleration(du);
-  double change = 0.0, size = 0.0;
+  double change = 0.0, back = 0.0, size = 0.0;
   for (int i = 0; i < d.halo.n_owned; ++i) {
     change += whole_mass_[i] * (a[i] - a0_[i]).squaredNorm();
-    size += whole_mass_[i] * du[i].squaredNorm();
-  }
-  change = d.comm().sum(change);
-  size = d.comm().sum(size);
-  return size > 0.0 ? std::abs(beta_ - 1.0 / 6.0) * dt_ * dt_ * std::sqrt(change / size) : 0.0;
-}
-
-double Newmark::steps_a_period(const Discretisation& d, const NodalVector& du) const {
-  const NodalVector a = acceleration(du);
-  double back = 0.0, size = 0.0;
-  for (int i = 0; i < d.halo.n_owned; ++i) {
     back -= whole_mass_[i] * (a[i] - a0_[i]).dot(du[i]);
     size += whole_mass_[i] * du[i].squaredNorm();
   }
+  change = d.comm().sum(change);
   back = d.comm().sum(back);
   size = d.comm().sum(size);
-  return back > 0.0 && size > 0.0 ? 2.0 * std::numbers::pi / (std::sqrt(back / size) * dt_) : 0.0;
+  if (!(size > 0.0)) return {};
+  return {std::abs(beta_ - 1.0 / 6.0) * dt_ * dt_ * std::sqrt(change / size), back > 0.0 ? 2.0 * std::numbers::pi / (std::sqrt(back / size) * dt_) : 0.0};
 }
 
 }  // namespace berm

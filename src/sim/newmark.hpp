@@ -52,10 +52,13 @@ public:
   NodalVector damping(const Discretisation& d, NodalVector v) const;
   /// Of nodes with the velocities v, of this process [J].
   double kinetic_energy(const Discretisation& d, const NodalVector& v) const;
-  /// Error of the step: of the mean acceleration, relative to its displacement. Collective.   [(16)]
-  double error(const Discretisation& d, const NodalVector& du) const;
-  /// Steps in a period of what moves, by its kinetic energy; 0 if nothing swings. Collective.   [(16a)]
-  double steps_a_period(const Discretisation& d, const NodalVector& du) const;
+  /// How well a step follows the motion.
+  struct Resolution {
+    double error = 0.0;           ///< of the mean acceleration, relative to the displacement of the step   [(16)]
+    double steps_a_period = 0.0;  ///< of what moves, by its kinetic energy; 0 if nothing swings   [(16a)]
+  };
+  /// Collective.
+  Resolution resolution(const Discretisation& d, const NodalVector& du) const;
 
 private:
   double velocity_by_increment() const { return gamma_ / (beta_ * dt_); }  ///< dv/du at t_{n+1}

@@ -243,11 +243,11 @@ void Watch::look_for_torn_ties() {
     const Contact& tie = world_.spec.contacts[k];
     if (apart <= told * h || (torn_told_ && apart <= most * h)) continue;
     const std::string text = fmt::format("the surfaces that [contact.{}] ties are {:.3g} m ({:.2g} cells) apart or deep in one another at time {:.6g}: what is prescribed "
-                                         "tears or crushes the body, and the reaction is that of the tie. Is the motion meant to be so large, in m",
+                                         "tears or crushes the body, and the reaction is that of the tie. Is the motion meant to be so large, in m?",
                                          tie.name, apart, apart / h, world_.time);
-    if (apart > most * h) throw RunError(text + "?");
+    if (apart > most * h) throw RunError(text);
     torn_told_ = true;
-    warn_(text + "?");
+    warn_(text);
   }
 }
 

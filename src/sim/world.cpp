@@ -287,7 +287,7 @@ void build_fem(World& w, BuiltBodies& built) {
     const Material& material = material_of(c, body);
     const Mesh mesh = body_mesh(c, body, body.mesh);
     fem->add_body(index, body.name, material, mesh, c.thickness);
-    tell_seams(w, body.name, mesh);
+    if (!body.mesh_file.empty()) tell_seams(w, body.name, mesh);
     BodySummary summary = summary_of(body, fem->cell_size());
     std::vector<Vec3> centres;
     std::vector<double> measures;

@@ -17,6 +17,9 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from gmsh_text import mesh_22  # noqa: E402
+
 CASE = """
 title = "block"
 grid = { origin = [-0.25, -0.25], cell_size = 0.25, cells = [6, 6] }
@@ -172,31 +175,14 @@ def files_of_the_user_are_kept():
     return why or wrong(berm("run", "case.toml", "--out", str(folder), "--force", text=curve), 2, "holds the reference curve", "--out")
 
 
-SQUARE = """$MeshFormat
-2.2 0 8
-$EndMeshFormat
-$Nodes
-4
-1 0 0 0
-2 1 0 0
-3 1 1 0
-4 0 1 0
-$EndNodes
-$Elements
-1
-1 3 2 1 1 1 2 3 4
-$EndElements
-"""
-
-
 def mesh_that_has_changed():
     """A checkpoint belongs to the mesh that it was written with."""
     text = re.sub(r"grid = .*\n", "", CASE)
     text = 'method = "fem"\n' + re.sub(r"shape\.[^\n]*", 'file = "square.msh"', text)
-    pathlib.Path("square.msh").write_text(SQUARE)
+    pathlib.Path("square.msh").write_text(mesh_22([(0, 0), (1, 0), (1, 1), (0, 1)], [(1, 2, 3, 4)]))
     why = wrong(berm("run", "case.toml", "--set", "checkpoint.every_steps=2", text=text), 0)
     why = why or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5", "--out", "again", text=text), 0)
-    pathlib.Path("square.msh").write_text(SQUARE.replace("3 1 1 0", "3 1 1.01 0"))
+    pathlib.Path("square.msh").write_text(mesh_22([(0, 0), (1, 0), (1, 1.01), (0, 1)], [(1, 2, 3, 4)]))
     return why or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5", "--out", "other", text=text), 2, "the file of body.a.file has changed since the checkpoint was written")
 
 

@@ -1,6 +1,11 @@
 """Small files that are right: Gmsh meshes, STL surfaces, and the cases that read them."""
 
+import pathlib
 import struct
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from gmsh_text import mesh_22  # noqa: E402
 
 CASE = """
 title = "For files that are changed"
@@ -90,10 +95,7 @@ def cube_22():
     """Gmsh 2.2: the unit cube in five tetrahedra."""
     corners = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
     cells = [(1, 2, 4, 6), (1, 4, 3, 7), (1, 6, 7, 5), (4, 7, 6, 8), (1, 4, 7, 6)]
-    text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n"
-    text += "".join(f"{k} {x} {y} {z}\n" for k, (x, y, z) in enumerate(corners, 1)) + "$EndNodes\n$Elements\n5\n"
-    text += "".join(f"{k} 4 2 1 1 {a} {b} {c} {d}\n" for k, (a, b, c, d) in enumerate(cells, 1))
-    return (text + "$EndElements\n").encode()
+    return mesh_22(corners, cells).encode()
 
 
 def cube_triangles():

@@ -14,7 +14,8 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "messages"))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[1] / "messages"), str(pathlib.Path(__file__).resolve().parents[1])]
+from gmsh_text import mesh_22  # noqa: E402
 from run import BASE, BLOCK, CUBE, ELASTIC, FEM, FEW, GRID, PLATE, TOP  # noqa: E402
 
 PARTS = ('[body.a]\nmaterial = "m"\nshape.union = [ { box = { min = [0.0, 0.0], max = [0.4, 1.0] } }, '
@@ -22,26 +23,7 @@ PARTS = ('[body.a]\nmaterial = "m"\nshape.union = [ { box = { min = [0.0, 0.0], 
 LEFT_BASE = BASE.replace("{ max = [9.0, 1e-6] }", "{ max = [0.45, 1e-6] }")
 ROLLERS = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"
 UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").replace("[1.0, 1.0]", "[1.0, 2.0]")
-SEAM = """$MeshFormat
-2.2 0 8
-$EndMeshFormat
-$Nodes
-8
-1 0 0 0
-2 1 0 0
-3 1 1 0
-4 0 1 0
-5 1 0 0
-6 2 0 0
-7 2 1 0
-8 1 1 0
-$EndNodes
-$Elements
-2
-1 3 2 1 1 1 2 3 4
-2 3 2 1 1 5 6 7 8
-$EndElements
-"""
+SEAM = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # the places of 2 and 3 twice
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
 PIN = '[pin.NAME]\nbody = "a"\nat = AT\nfix = "xy"\n'

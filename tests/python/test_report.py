@@ -232,7 +232,6 @@ class ReportCorners(unittest.TestCase):
 
     def test_report_goes_where_there_is_a_folder(self):
         synthetic.write_run(self.path, cell=0.05, steps=10, frames=2)
-        before = sorted(os.listdir(self.path))
         missing = os.path.join(self.folder.name, "no", "such")
         case, page = os.path.join(self.path, "case.toml"), os.path.join(self.path, "notes.html")
         with open(page, "w", encoding="utf-8") as file:
