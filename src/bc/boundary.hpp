@@ -100,6 +100,7 @@ public:
     Vec3 at, direction;
     int contact = -1;          ///< of the case, if it can open
     double gap = 0.0;          ///< of that contact at t_n [m]
+    Vec3 push = Vec3::Zero();  ///< the way in which that contact can push the body
   };
   /// Whatever holds in this step and stage: supports, pins, rigid bodies. Of this process.
   std::vector<Hold> holds(const Discretisation& d) const;

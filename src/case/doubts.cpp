@@ -20,17 +20,16 @@ namespace {
 
 bool is_nothing(const Pressure& p) { return p.traction ? p.traction->is_zero() : p.value.is_zero(); }
 
-/// No weight, load, motion or velocity.
-bool nothing_acts(const Case& c) {
+}  // namespace
+
+bool only_weight_acts(const Case& c) {
   const auto rests = [](const Body& b) { return b.displacement.is_zero() && b.acceleration.is_zero() && b.velocity.is_zero(); };
   const auto holds_still = [](const NodeBoundary& b) {
     return b.un.is_zero() && std::all_of(b.u.begin(), b.u.end(), [](const auto& u) { return !u || u->is_zero(); });
   };
-  return c.gravity.is_zero() && std::all_of(c.bodies.begin(), c.bodies.end(), rests) && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing) &&
+  return std::all_of(c.bodies.begin(), c.bodies.end(), rests) && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing) &&
          std::all_of(c.boundaries.begin(), c.boundaries.end(), holds_still);
 }
-
-}  // namespace
 
 void doubt_case(const Case& c, const Node& root, Problems& problems) {
   constexpr double most_gravity = 1000.0;  // a hundred times the Earth's, in a centrifuge [m/s2]
@@ -47,7 +46,7 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
     if (k.friction > most_friction)
       problems.warn(place_in(root, "contact", k.name, "friction"),
                     fmt::format("friction = {:.6g} is a coefficient: did you mean tan({:.6g} degrees)?", k.friction, k.friction));
-  if (nothing_acts(c))
+  if (c.gravity.is_zero() && only_weight_acts(c))
     problems.warn(place_in(root, "model", "", "gravity"),
                   "nothing acts on the bodies: no gravity ([model] gravity = [0.0, -9.81]), no load, no motion of a support or a rigid body, no velocity");
   if (const TimeFunction& radial = c.gravity.component[0]; c.space == Space::axisymmetric && !radial.is_zero() && !radial.depends_on_place())

@@ -92,8 +92,8 @@ Progress::Progress(Log& log, Clock::time_point start) : log_(log), start_(start)
 void Progress::update(const ProgressState& state, Clock::time_point now) {
   point_steps_ += static_cast<double>(state.points);
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  pace_.add(elapsed, state.work < 0.0 ? state.time : state.work);
-  const int tenths = static_cast<int>(std::floor(10.0 * state.time + 1e-9));
+  pace_.add(elapsed, state.share);
+  const int tenths = static_cast<int>(std::floor(10.0 * state.share + 1e-9));
   const bool milestone = tenths > tenths_ || (!log_.interactive() && now - told_ >= std::chrono::seconds(5));
   const bool renew = log_.interactive() && (!shown_ || now - *shown_ >= std::chrono::milliseconds(200) || milestone);
   if (!milestone && !renew) return;
@@ -102,7 +102,7 @@ void Progress::update(const ProgressState& state, Clock::time_point now) {
   const std::string left = seconds >= 0.0 ? (state.may_slow && seconds > 0.0 ? "at least " : "") + duration_text(seconds) : std::string("?");
   const std::string line =
       fmt::format("step {:5}  {:5.1f} %  {} left  load {:11.4e} N  iterations {:2}  residual {:.1e}  {:.3g} points/s",
-                  state.step, 100.0 * state.time, left, state.load, state.newton_iterations, state.residual,
+                  state.step, 100.0 * state.share, left, state.load, state.newton_iterations, state.residual,
                   elapsed > 0.0 ? point_steps_ / elapsed : 0.0);
   if (renew) {
     log_.status(line);

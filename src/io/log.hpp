@@ -55,12 +55,11 @@ private:
 /// Where a run is.
 struct ProgressState {
   int step = 0;
-  double time = 0.0;  ///< share of the run that is done
+  double share = 0.0;  ///< of the planned steps of all stages, that is done
   double load = 0.0;  ///< reaction [N]
   int newton_iterations = 0;
   double residual = 0.0;  ///< relative [-]
   long points = 0;
-  double work = -1.0;     ///< share of the planned steps that is done, of all stages; negative: as of the time
   bool may_slow = false;  ///< something may still come for which steps are cut: what is left is told as "at least"
 };
 

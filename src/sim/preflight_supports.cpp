@@ -11,6 +11,7 @@
 
 #include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
+#include "case/doubts.hpp"
 #include "case/places.hpp"
 #include "sim/advice.hpp"
 #include "sim/body_mass.hpp"
@@ -42,6 +43,8 @@ std::vector<int> motions_of(Space space) {
 struct Assembly {
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
+  bool carried = false;       ///< something takes weight: whatever holds along it, or a contact that it is drawn to
+  std::set<int> let_go;       ///< contacts that it is drawn away from
   Vec3 centre() const { return 0.5 * (low + high); }
   double size() const { return std::max((high - low).norm(), 1e-300); }
   void hold(Space space, const Vec3& at, const Vec3& direction) {
@@ -153,6 +156,8 @@ Groups find_assemblies(const World& w, const std::string& stage, const std::vect
   return groups;
 }
 
+constexpr double beside = 1e-6;  ///< a contact presses less than this share of the weight where it is upright
+
 std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage, const std::vector<std::vector<double>>& share, Groups& groups, const Pieces& pieces) {
   const Discretisation& d = *w.discretisation;
   const Case& c = w.spec;
@@ -169,6 +174,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
   }
   for (auto& [root, a] : assemblies)
     for (int i = 0; i < 3; ++i) a.low[i] = w.comm.min(a.low[i]), a.high[i] = w.comm.max(a.high[i]);
+  const Vec3 weight = c.gravity.at(w.spec.stages.front().end());
   const double far = is_first(w, stage) ? apart * d.cell_size() : std::numeric_limits<double>::infinity();
   for (const auto& hold : w.boundary->holds(d)) {
     if (hold.gap > far) continue;
@@ -176,7 +182,13 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
     if (hold.body >= 0) held.insert(groups.of(pieces.at(hold.body, hold.at)));
     for (std::size_t b = 0; hold.node >= 0 && b < share.size(); ++b)
       if (!share[b].empty() && share[b][hold.node] > 0.0) held.insert(groups.of(pieces.at(static_cast<int>(b), hold.at)));
-    for (const int root : held) assemblies[root].hold(c.space, hold.at, hold.direction);
+    for (const int root : held) {
+      Assembly& a = assemblies[root];
+      a.hold(c.space, hold.at, hold.direction);
+      const bool lets_go = hold.contact >= 0 && weight.dot(hold.push) > -beside * weight.norm();
+      if (lets_go) a.let_go.insert(hold.contact);
+      else a.carried |= hold.contact >= 0 || std::abs(weight.dot(hold.direction)) > beside * weight.norm();
+    }
   }
   // Without friction bodies hold each other along the normal alone.
   for (const Interface& at : d.interfaces())
@@ -184,9 +196,18 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
       if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, stage)) continue;
       const int first = body_index(c, k.body), second = body_index(c, k.other);
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
-      for (const int body : {first, second}) assemblies[groups.of(pieces.at(body, d.nodes[at.a]))].hold(c.space, d.nodes[at.a], at.normal);
+      for (const int body : {first, second}) {
+        Assembly& a = assemblies[groups.of(pieces.at(body, d.nodes[at.a]))];
+        a.hold(c.space, d.nodes[at.a], at.normal);
+        a.carried = true;
+      }
     }
-  for (auto& [root, a] : assemblies) w.comm.sum(std::span<double>(a.held.data(), 36));
+  for (auto& [root, a] : assemblies) {
+    w.comm.sum(std::span<double>(a.held.data(), 36));
+    a.carried = w.comm.any(a.carried);
+    const std::vector<int> mine(a.let_go.begin(), a.let_go.end());
+    for (const int contact : w.comm.all_gather(mine)) a.let_go.insert(contact);
+  }
   return assemblies;
 }
 
@@ -392,6 +413,17 @@ std::string contacts_apart(const World& w, const std::vector<std::string>& names
   return words;
 }
 
+/// Contact can push and not draw: where nothing but the weight acts, it must draw a body to one that carries it.
+void refuse_lost_weight(const World& w, const Assembly& a, const std::vector<std::string>& names) {
+  const Case& c = w.spec;
+  if (a.carried || a.let_go.empty() || c.gravity.is_zero() || !only_weight_acts(c)) return;
+  std::vector<std::string> contacts;
+  for (const int k : a.let_go) contacts.push_back(fmt::format("[contact.{}]", c.contacts[k].name));
+  throw InputError(fmt::format("nothing carries the weight of {} {}, near {}: {} can only push, and the weight draws the body away from there or along it. "
+                               "A quasi-static stage needs a support below ([boundary.NAME], [pin.NAME], a contact with a body there), or analysis = \"dynamic\"",
+                               names.size() == 1 ? "body" : "bodies", fmt::join(names, ", "), place_text(c, a.centre()), fmt::join(contacts, ", ")));
+}
+
 /// In the stage that the boundary conditions are in.
 void look_for_free_bodies(const World& w, const std::string& stage, Findings& found) {
   const Case& c = w.spec;
@@ -401,7 +433,10 @@ void look_for_free_bodies(const World& w, const std::string& stage, Findings& fo
   for (const auto& [root, assembly] : hold_assemblies(w, stage, share, groups, pieces)) {
     if (!(assembly.low.x() <= assembly.high.x())) continue;  // without a node of its own
     const std::string motion = free_motion(c, assembly);
-    if (motion.empty()) continue;
+    if (motion.empty()) {
+      if (is_first(w, stage)) found.look([&] { refuse_lost_weight(w, assembly, names_of(w, groups, pieces, root)); });
+      continue;
+    }
     const std::vector<std::string> names = names_of(w, groups, pieces, root);
     const bool one = names.size() == 1;
     const std::string reach = is_first(w, stage) ? contacts_apart(w, names) : "";

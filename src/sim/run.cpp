@@ -217,8 +217,8 @@ private:
       else
         control_.after_impl_ex(result.extrapolation_error);
       if (control_.bridge > 0 && --control_.bridge == 0) log_.info("back to implicit steps");
-      progress_.update({recorder_.steps(), world_->time / world_->spec.duration(), recorder_.load(), result.iterations, result.residual,
-                        world_->n_points(), planned_share(), cracks_may_come()});
+      progress_.update({recorder_.steps(), planned_share(), recorder_.load(), result.iterations, result.residual, world_->n_points(),
+                        cracks_may_come()});
       return;
     }
   }

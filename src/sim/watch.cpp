@@ -69,7 +69,8 @@ void Watch::resume(const Watched& before, const Reactions& now) {
   time_ = world_.time;
   span_ = 0.0;
   reaction_ = now.rigid;
-  for (std::size_t b = 0; b < reaction_.size(); ++b) largest_[b] = reaction_[b].norm();
+  // What a body touched before is not known: some reaction may have been.
+  for (std::size_t b = 0; b < reaction_.size(); ++b) largest_[b] = std::max(reaction_[b].norm(), std::numeric_limits<double>::min());
 }
 
 double Watch::Obstacle::depth(const Vec3& x) {
@@ -111,6 +112,7 @@ void Watch::look_now_and_then() {
 
 void Watch::look_last() {
   look_now_and_then();
+  look_for_idle_bodies();
   if (seen.jumps > 0.0)
     warn_(fmt::format("reactions jumped by more than a tenth in {:.0f} step{} of a smooth motion{}: look at history.csv there; smaller steps "
                       "show whether the jump is of the model",
@@ -289,7 +291,14 @@ void Watch::look_for_smeared_cracks() {
     if (energy > 0.5 * box.first) box.second = static_cast<int>(axis);
     box.first += energy;
   }
-  double sum = 0.0, columns = 0.0, widest = 0.0;
+  // All cells of a body of few cells are a zone of uniform stress too.
+  Vec3 low = Vec3::Constant(infinity), high = -low, most;
+  for (const Vec3& x : X) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  for (int i = 0; i < 3; ++i) {
+    const double cells = std::floor((world_.comm.max(high[i]) - world_.comm.min(low[i])) / h) + 1.0;
+    most[i] = cells > 1.0 ? std::min(told, 0.9 * cells) : told;
+  }
+  double sum = 0.0, columns = 0.0, allowed = 0.0, widest = 0.0;
   Vec3 where = Vec3::Zero();
   for (const auto& [at, box] : all) {
     double across = 0.0, largest = 0.0;
@@ -300,17 +309,28 @@ void Watch::look_for_smeared_cracks() {
       if (found == all.end()) continue;
       across += found->second.first, largest = std::max(largest, found->second.first);
     }
-    sum += box.first, columns += box.first * across / largest;
+    sum += box.first, columns += box.first * across / largest, allowed += box.first * most[box.second];
     if (across / largest > widest) widest = across / largest, where = h * Vec3(at[0] + 0.5, at[1] + 0.5, world_.spec.dimension() == 3 ? at[2] + 0.5 : 0.0);
   }
   if (sum <= 0.0) return;
   seen.columns = std::max(seen.columns, columns / sum);
-  if (columns <= told * sum || smeared_told_) return;
+  if (columns <= allowed || smeared_told_) return;
   smeared_told_ = true;
   warn_(fmt::format("cracks are smeared over {:.2g} cells side by side in the mean at time {:.6g}, most near {}: a zone of uniform stress softens "
                     "as a whole and takes up the energy of as many cracks. Say where the crack begins: a notch, or a body one cell wide of a "
                     "material with a tensile strength a few per cent lower",
                     columns / sum, world_.time, place_text(world_.spec, where)));
+}
+
+/// A rigid body that is moved is meant to touch something; one at rest may lie in wait.
+void Watch::look_for_idle_bodies() const {
+  const Case& c = world_.spec;
+  for (const Contact& k : c.contacts) {
+    if (k.rigid.empty()) continue;
+    const int b = body_index(c, k.rigid);
+    if (largest_[b] > 0.0 || c.bodies[b].displacement.is_zero()) continue;
+    warn_(fmt::format("rigid body \"{}\" has moved and never pressed on anything: it is still apart from \"{}\", or moves away from it", k.rigid, k.body));
+  }
 }
 
 /// Where rigid bodies move evenly in equilibrium and nothing cracks, a reaction changes from step to step as it did.

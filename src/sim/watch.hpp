@@ -59,6 +59,7 @@ private:
   void look_for_smeared_cracks();
   void look_for_lag();
   void look_for_torn_ties();
+  void look_for_idle_bodies() const;
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
 
   const World& world_;

@@ -81,6 +81,34 @@ body = "a"
 where.box = { max = [1e-6, 9.0] }
 value = "6e3*max(0, t - 1)"
 """
+# The middle cell is weaker by less than what a step adds: all three pass their peak in one.
+THREE_CELLS = """
+grid = { origin = [0.0, 0.0], cell_size = 0.1, cells = [1, 3] }
+model = { kinematics = "small" }
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [0.1, 0.1] }
+mesh = { kind = "quads", size = 0.1, structured = true }
+[body.middle]
+material = "weak"
+shape.box = { min = [0.0, 0.1], max = [0.1, 0.2] }
+mesh = { kind = "quads", size = 0.1, structured = true }
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 0.2], max = [0.1, 0.3] }
+mesh = { kind = "quads", size = 0.1, structured = true }
+[boundary.left]
+where.box.max = [1e-6, 9.0]
+ux = 0.0
+[boundary.below]
+where.box.max = [9.0, 1e-6]
+uy = 0.0
+[boundary.top]
+where.box.min = [-1.0, 0.29999]
+uy = 4e-4
+[steps]
+count = 200
+""" + BRITTLE.replace("material.m", "material.weak").replace("3 MPa", "2.99 MPa")
 # The second body is held by friction alone, which holds nothing before it is pressed.
 FLIES = """
 model.gravity = [0.0, -9.81]
@@ -193,6 +221,9 @@ FAILURES = {
     "snaps back": (GRID + BRITTLE + BLOCK + BASE + TOP.replace("-0.001", "0.001") + "[steps]\nmin_fraction = 0.02\n", 'integration = "impl_ex"', ["solver.integration=impl_ex"]),
     "smeared crack": (BRITTLE + UNIFORM_BAR, "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
     "smeared crack, small strain": (BRITTLE + UNIFORM_BAR + 'model.kinematics = "small"\n', "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
+    "smeared crack, three cells": (BRITTLE + THREE_CELLS, "cracks are smeared over", ["material.weak.tensile_strength=2.7e6"]),
+    "a stamp that moves away": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("-0.3*t", "0.001*t") + '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "frictionless"\n' + FEW,
+                                "never pressed on anything", ["body.plate.displacement=[0.0,\"-0.001*t\"]"]),
     "cells too large": (GRID + BRITTLE.replace("100.0", "0.5") + BLOCK + BASE + TOP + FEW, "fracture_energy", ["material.m.fracture_energy=100.0"]),
     "cells too large, fem": (FEM + BRITTLE.replace("100.0", "0.5") + BLOCK + BASE + TOP + FEW, "fracture_energy", ["material.m.fracture_energy=100.0"]),
     "leaves the grid": (GRID.replace("[-0.2, -0.2]", "[-0.2, 0.0]") + ELASTIC + BLOCK + FALLS, "make the grid larger", ["grid.origin=[-0.2,-1.5]", "grid.cells=[24,30]"]),

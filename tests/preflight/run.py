@@ -26,6 +26,7 @@ UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").rep
 SEAM = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # the places of 2 and 3 twice
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
+AT_REST = PLATE[:PLATE.index("displacement")]
 PIN = '[pin.NAME]\nbody = "a"\nat = AT\nfix = "xy"\n'
 GAUGE = "[gauge.NAME]\nfrom = [0.5, 0.2]\nto = TO\n"
 PROBE = '[probe.NAME]\nat = AT\nquantity = "stress_yy"\n'
@@ -65,6 +66,9 @@ MODELS = {
                              + ON_PLATE.replace("KIND", "no_slip") + FEW, [("body.a", "[contact.c] is 0.3 m apart")]),
     "a block out of reach": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[1.0, 0.5]") + UPON + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE + FEW,
                              [("body.b", "have no node of the grid in common")]),
+    "hangs under a plate": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK + AT_REST + ON_PLATE.replace("KIND", "no_slip") + FEW, [("body.a", "the weight draws the body away")]),
+    "slips down beside a plate": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK + AT_REST.replace("[-0.1, 1.0]", "[1.0, 0.0]").replace("1.1, 1.4", "1.2, 1.0")
+                                  + ON_PLATE.replace("KIND", "friction").replace('"a"', '"a"\nfriction = 0.5') + FEW, [("body.a", "the weight draws the body away from there or along it")]),
     "touched in two ways": (GRID + ELASTIC + BLOCK + BASE + PLATE + ON_PLATE.replace("KIND", "tie") + ON_PLATE.replace("KIND", "no_slip").replace("contact.c", "contact.d") + FEW,
                             [("contact.d", "is for the same two bodies already")]),
     "weight along the radius": ('model = { plane = "axisymmetric", gravity = [-9.81, 0.0] }\n' + GRID.replace("[-0.2,", "[0.0,") + ELASTIC + BLOCK + BASE + FEW,
