@@ -429,12 +429,17 @@ void ImplicitStep::check_motions() const {
   });
 }
 
+/// States of contact as at the start of the step, and no residual that is known with others.
+void ImplicitStep::forget_contact() {
+  world_.boundary->grid_contact().begin_step(*world_.discretisation);
+  cached_r_.clear();
+}
+
 /// Takes the unknowns with the smallest residual on the way for equilibrium, if it is below the bound with contacts as they
 /// are there, and not as they were frozen later.
 bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<double>& x) {
   if (newton.residuals.empty() || !(newton.least <= bound)) return false;
-  world_.boundary->grid_contact().begin_step(*world_.discretisation);
-  cached_r_.clear();
+  forget_contact();
   std::vector<double> r;
   x = newton.best;
   if (!residual(x, r)) return false;
@@ -443,15 +448,14 @@ bool ImplicitStep::take_still(NewtonResult& newton, double bound, std::vector<do
   return newton.converged;
 }
 
-/// From a guess of the unknowns.
-NewtonResult ImplicitStep::find_equilibrium(std::vector<double>& x, double tolerance, double scale, StepResult& result) {
-  const std::vector<double> guess = x;
+/// From a guess of the unknowns, whose residual may be known.
+NewtonResult ImplicitStep::find_equilibrium(const std::vector<double>& guess, std::vector<double>& x, double tolerance, double scale,
+                                            StepResult& result) {
   NewtonResult newton;
   const std::vector<Attempt> tries = attempts(world_.present_stage().solver);
   for (const Attempt& attempt : tries) {
+    if (&attempt != &tries.front()) forget_contact();
     x = guess;
-    world_.boundary->grid_contact().begin_step(*world_.discretisation);
-    cached_r_.clear();
     newton = solve(x, tolerance, attempt);
     result.iterations += newton.iterations;
     if (newton.converged && !is_fair()) {
@@ -521,12 +525,12 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double scale = force_scale_;
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
-  NewtonResult newton = find_equilibrium(x, tolerance, scale, result);
+  NewtonResult newton = find_equilibrium(guess, x, tolerance, scale, result);
   if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && world_.comm.any(contact.some_meet())) {
     // Bodies that are laid down may stick, slide and part in turn: without friction for one step, as where they move on.
     contact.stick_at_once(false);
-    x = guess;
-    newton = find_equilibrium(x, tolerance, scale, result);
+    forget_contact();
+    newton = find_equilibrium(guess, x, tolerance, scale, result);
   }
   if (newton.converged && flies_away()) {
     newton.converged = result.stood_still = false;

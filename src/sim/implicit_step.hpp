@@ -117,7 +117,8 @@ private:
   std::string reason_of_flight() const;
   bool nothing_changes() const;
   void find_worst_node(StepResult& result) const;
-  NewtonResult find_equilibrium(std::vector<double>& x, double tolerance, double scale, StepResult& result);
+  NewtonResult find_equilibrium(const std::vector<double>& guess, std::vector<double>& x, double tolerance, double scale, StepResult& result);
+  void forget_contact();
   bool take_still(NewtonResult& newton, double bound, std::vector<double>& x);
   NewtonResult solve(std::vector<double>& x, double tolerance, const Attempt& how);
   void scatter(const std::vector<double>& x);
