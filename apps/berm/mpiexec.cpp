@@ -171,6 +171,19 @@ void pass_on_words(int from) {
   std::_Exit(failed);
 }
 
+/// mpiexec ends with 128 and the number of the signal that has ended one of its processes.
+int exit_code_of(int status) {
+  constexpr int of_signals = 128, largest_of_berm = 2;
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : of_signals + WTERMSIG(status);
+  if (code <= largest_of_berm) return code;
+  if (const int number = code - of_signals; signals < 2)  // who has sent two knows why
+    say_error(number <= 0 || number >= NSIG
+                  ? fmt::format("berm: mpiexec has ended with code {}", code)
+                  : fmt::format("berm: one of the processes was ended by signal {} ({}){}. If the output folder has a checkpoint.h5, --restart goes on from it", number,
+                                strsignal(number), number == SIGKILL ? ", as happens where memory runs out" : ""));
+  return failed;
+}
+
 }  // namespace
 
 int ranks_of_launcher() {
@@ -230,5 +243,5 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : failed;
+  return exit_code_of(status);
 }

@@ -5,7 +5,8 @@
 Prints the largest difference of every column of history.csv and of every field of the last frame of points, which are
 matched by `id`. Differences are relative to the largest magnitude of the column or field in A or B; the parts of a
 reaction (reaction_x:NAME, reaction_y:NAME, ...) share theirs and so do the energies, so that a part that should vanish
-is not measured by its own rounding. energy_error and extrapolation_error are fractions and compared as they are.
+is not measured by its own rounding; a reaction or an opening of cracks below a millionth of the largest reaction or
+displacement is measured by that. energy_error and extrapolation_error are fractions and compared as they are.
 `newton_iterations` and `residual` depend on rounding: they are shown and not judged.
 --before 0.5 compares up to half the peak load of A, and the last frame that is not later.
 Exit code 1: a difference exceeds the tolerance, or steps, columns, fields or points are not the same; 2: a folder is
@@ -24,6 +25,7 @@ from berm.results import Run
 
 TOOL = "berm.compare"
 TOLERANCE = 1e-6
+ROUNDING = 1e-6  # of the largest reaction or displacement: less than that is measured by it
 NOT_JUDGED = ("newton_iterations", "residual")
 FRACTIONS = ("energy_error", "extrapolation_error")
 ENERGIES = (
@@ -119,6 +121,10 @@ def compare_history(a, b, tolerance, before):
     for name in common:
         size = magnitude(a.history[name], b.history[name])
         scales[quantity(name)] = max(size, scales.get(quantity(name), 0.0))
+    reactions = [size for name, size in scales.items() if name.startswith("reaction:")]
+    for name in scales:  # what touches nothing has the rounding of the others
+        if name.startswith("reaction:"):
+            scales[name] = max(scales[name], ROUNDING * max(reactions))
     differences = []
     for name in common:
         scale = 1.0 if name in FRACTIONS else scales[quantity(name)]
@@ -160,6 +166,8 @@ def compare_points(a, b, tolerance, until):
             problems.append(f"the field {name} has the shapes {first.shape} and {second.shape}")
             continue
         scale = np.ptp(first, axis=0).max() if name == "position" and counts[0] else magnitude(first, second)
+        if name == "crack_opening":  # of what has not cracked it is rounding of displacements
+            scale = max(scale, ROUNDING * magnitude(one.get("displacement", np.zeros(1))))
         value, row = largest_difference(first, second, scale)
         place = (f"id {one['id'][row]}" if "id" in one else f"point {row}") if counts[0] else "no point"
         differences.append(Difference(name, value, float(scale), place, tolerance))

@@ -27,7 +27,7 @@ import numpy as np
 from berm import words
 from berm.errors import ResultError
 from berm.files import new_file
-from berm.program import find_berm, run_case
+from berm.program import end_runs_with_the_tool, find_berm, run_case
 from berm.results import Run
 
 TOOL = "berm factor_of_safety"
@@ -232,6 +232,7 @@ def main(arguments=None):
     )
     parser.add_argument("--out", type=words.given, metavar="DIR", help="default: out/<name of the case>_safety")
     options = parser.parse_args(arguments)
+    end_runs_with_the_tool()
     name = os.path.splitext(os.path.basename(options.case))[0]
     try:
         search = Search(options, find_berm(options.berm), options.out or os.path.join("out", f"{name}_safety"))

@@ -2,9 +2,29 @@
 
 import os
 import shutil
+import signal
 import subprocess
 
 from berm.errors import ResultError
+
+
+_running = set()
+_ended = False
+
+
+def end_runs_with_the_tool():
+    """SIGTERM and SIGHUP end the tool as Ctrl-C does, and the runs that it has started: these end in order."""
+
+    def end(_number, _frame):
+        global _ended
+        _ended = True
+        for process in list(_running):
+            process.terminate()
+        raise KeyboardInterrupt
+
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:  # nohup
+            signal.signal(number, end)
 
 
 def find_berm(given=None):
@@ -17,18 +37,21 @@ def find_berm(given=None):
 
 
 def run_case(berm, case, out, overrides, force):
-    """Runs a case; returns what subprocess.run does. The program judges what is in the folder: without `force` it refuses the
+    """Runs a case; returns its exit code and what it said to standard error. The program judges what is in the folder: without `force` it refuses the
     results of a run that came to its end, and it replaces nothing but what runs write."""
     arguments = [berm, "run", case, "--out", out]
     for override in overrides:
         arguments += ["--set", override]
     if force:
         arguments.append("--force")
-    return subprocess.run(
-        arguments,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        encoding="utf-8",
-        errors="surrogateescape",
-        check=False,
+    if _ended:
+        raise KeyboardInterrupt
+    process = subprocess.Popen(
+        arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", errors="surrogateescape"
     )
+    _running.add(process)
+    try:
+        _, said = process.communicate()
+    finally:
+        _running.discard(process)
+    return subprocess.CompletedProcess(arguments, process.returncode, stderr=said)

@@ -20,7 +20,7 @@ import tomllib
 from berm import words
 from berm.errors import ResultError
 from berm.files import new_file
-from berm.program import find_berm, run_case
+from berm.program import end_runs_with_the_tool, find_berm, run_case
 from berm.report import write_report
 from berm.results import Run
 
@@ -179,6 +179,7 @@ def main(arguments=None):
     parser.add_argument("--short", action="store_true", help="apply the `short` overrides of the variants")
     parser.add_argument("--force", action="store_true", help="replace the results of runs that came to their end")
     options = parser.parse_args(arguments)
+    end_runs_with_the_tool()
     if options.jobs < 1:
         parser.error("--jobs must be at least 1")
     try:

@@ -86,7 +86,7 @@ public:
   std::vector<LoadSum> load_sums(double time, const NodalVector& du) const;
   /// Their forces alone [N]. Collective.
   std::vector<Vec3> pressure_forces(double time, const NodalVector& du) const;
-  /// What contact with friction takes in the step, of all processes. Collective.
+  /// What contact and pins take in the step, of all processes. Collective.
   ContactWork contact_work(const NodalVector& du, double t0, double t1) const;
 
   const std::vector<GaugeLine>& gauges() const { return gauges_; }

@@ -1,4 +1,6 @@
 /// What supports and rigid bodies do to the material, and their work.
+#include <algorithm>
+
 #include "bc/boundary.hpp"
 
 namespace berm {
@@ -74,8 +76,13 @@ ContactWork BoundaryConditions::contact_work(const NodalVector& du, double t0, d
   ContactWork work = grid_contact_.work(du);
   for (const ContactPoint& p : contacts_) {
     const double heat = contact_force(p, du, t0, t1).heat;
-    work.heat += heat;
+    work.heat += std::max(0.0, heat);  // a spring that is let go while the body goes back gives some of its energy
     work.total += heat;
+  }
+  for (const PinPoint& p : pins_) {
+    if (!acts(case_.pins[p.pin].stages)) continue;
+    const Vec3 step = p.anchor.stencil->interpolate(du);
+    work.total += p.stiffness.cwiseProduct(p.anchor.u - p.start + 0.5 * step).dot(step);
   }
   return {comm_.sum(work.total), comm_.sum(work.heat)};
 }

@@ -6,8 +6,22 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "mesh/closest_point.hpp"
 
 namespace berm {
+
+Vec3 closest_on_piece(const Vec3& x, const SurfacePoint& s) {
+  if (s.n_corners == 0) {
+    const Vec3 along(-s.normal.y(), s.normal.x(), 0.0);
+    return s.X + std::clamp((x - s.X).dot(along), -0.5 * s.size, 0.5 * s.size) * along;
+  }
+  const auto& c = s.corner;
+  Vec3 best = closest_on_triangle(x, c[0], c[1], c[2]).point;
+  if (s.n_corners == 4)
+    if (const Vec3 other = closest_on_triangle(x, c[0], c[2], c[3]).point; (x - other).norm() < (x - best).norm())
+      best = other;
+  return best;
+}
 
 double share_inside(const Where& where, const SurfacePoint& s, int dimension) {
   int count = 0, all = 0;

@@ -23,6 +23,8 @@ struct SurfacePoint {
   std::vector<std::string> groups;  ///< physical curves (surfaces) of a body mesh
 };
 
+Vec3 closest_on_piece(const Vec3& x, const SurfacePoint& s);
+
 /// Part of a piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces.
 double share_inside(const Where& where, const SurfacePoint& s, int dimension);
 

@@ -13,25 +13,11 @@
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 #include "bc/travel.hpp"
-#include "mesh/closest_point.hpp"
 
 namespace berm {
 namespace {
 
 using Pair = std::pair<int, int>;  // of bodies, ascending
-
-Vec3 closest_on_piece(const Vec3& x, const SurfacePoint& s) {
-  if (s.n_corners == 0) {
-    const Vec3 along(-s.normal.y(), s.normal.x(), 0.0);
-    return s.X + std::clamp((x - s.X).dot(along), -0.5 * s.size, 0.5 * s.size) * along;
-  }
-  const auto& c = s.corner;
-  Vec3 best = closest_on_triangle(x, c[0], c[1], c[2]).point;
-  if (s.n_corners == 4)
-    if (const Vec3 other = closest_on_triangle(x, c[0], c[2], c[3]).point; (x - other).norm() < (x - best).norm())
-      best = other;
-  return best;
-}
 
 /// Of the size of a cell: pieces of surfaces touch that are no farther apart. Chords of a curved mesh may be: eight of them
 /// to a circle are a tenth of their length away from it.
@@ -50,9 +36,10 @@ bool touch(const SurfacePoint& first, const SurfacePoint& second, double size) {
 class Shapes {
 public:
   Shapes(const Case& c, double size) : case_(c), size_(size) {}
-  bool touch(const SurfacePoint& s, int other) {
+  /// Of the shapes near a piece of the surface; zero where there are none.
+  double apart(const SurfacePoint& s, int other) {
     const Region *own = region(s.body), *theirs = region(other);
-    return !own || !theirs || std::abs(theirs->nearest(own->nearest(s.X).point).distance) <= 1e-3 * size_;
+    return own && theirs ? std::abs(theirs->nearest(own->nearest(s.X).point).distance) : 0.0;
   }
 
 private:
@@ -95,9 +82,10 @@ private:
   std::unordered_map<std::array<long, 3>, std::vector<int>, Hash> bins_;
 };
 
-/// By pair of bodies, the pieces of the first one's surface that touch the second.
+/// By pair of bodies, the pieces of the first one's surface that touch the second; and how far apart those are that nearly do.
 std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const std::vector<SurfacePoint>& surface,
-                                                          double size) {
+                                                          double size, std::map<Pair, double>& nearly) {
+  constexpr double closed = 1e-3;
   std::map<Pair, std::vector<SurfacePoint>> pieces;
   Shapes shapes(c, size);
   const PieceBins bins(surface, size);
@@ -105,8 +93,14 @@ std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const s
     std::set<int> touched;
     bins.for_near(s.X, [&](int k) {
       const SurfacePoint& other = surface[k];
-      if (other.body > s.body && !touched.count(other.body) && touch(s, other, size) && shapes.touch(s, other.body))
+      if (other.body <= s.body || touched.count(other.body) || !touch(s, other, size)) return;
+      const double apart = shapes.apart(s, other.body);
+      if (apart <= closed * size) {
         touched.insert(other.body);
+      } else {
+        double& least = nearly.try_emplace({s.body, other.body}, apart).first->second;
+        least = std::min(least, apart);
+      }
     });
     for (const int body : touched) pieces[{s.body, body}].push_back(s);
   }
@@ -150,9 +144,10 @@ double Joint::area() const {
   return sum;
 }
 
-std::vector<Joint> find_joints(const Case& c, const std::vector<SurfacePoint>& surface, double size) {
-  const auto pieces = touching_pieces(c, surface, size);
-  std::vector<Joint> joints;
+Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size) {
+  Neighbours found;
+  const auto pieces = touching_pieces(c, surface, size, found.nearly);
+  std::vector<Joint>& joints = found.joints;
   std::set<Pair> spoken_of;
   for (std::size_t k = 0; k < c.contacts.size(); ++k) {
     const Contact& contact = c.contacts[k];
@@ -160,16 +155,19 @@ std::vector<Joint> find_joints(const Case& c, const std::vector<SurfacePoint>& s
     const Pair pair = bodies_of(c, contact);
     spoken_of.insert(pair);
     if (contact.kind != Contact::Kind::tie) continue;
-    const auto found = pieces.find(pair);
-    if (found == pieces.end())
+    const auto list = pieces.find(pair);
+    if (list == pieces.end())
       throw InputError(fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied: "
                                    "they count as touching up to {:.3g} m apart",
                                    contact.name, contact.body, contact.other, touching_distance * size));
-    joints.push_back({pair.first, pair.second, static_cast<int>(k), false, found->second});
+    joints.push_back({pair.first, pair.second, static_cast<int>(k), false, list->second});
   }
-  for (const auto& [pair, list] : pieces)
+  for (const auto& [pair, list] : pieces) {
+    found.touching.insert(pair);
     if (!spoken_of.count(pair)) joints.push_back({pair.first, pair.second, -1, false, list});
-  return joints;
+  }
+  std::erase_if(found.nearly, [&](const auto& entry) { return pieces.count(entry.first) || spoken_of.count(entry.first); });
+  return found;
 }
 
 std::vector<int> layers_of_bodies(const Case& c, std::vector<Joint>& joints,

@@ -3,6 +3,8 @@
 /// their surface.   [docs/theory/contact.md]
 
 #include <functional>
+#include <map>
+#include <set>
 
 #include "bc/surface.hpp"
 
@@ -17,9 +19,15 @@ struct Joint {
   double area() const;
 };
 
-/// Every pair of deformable bodies that touch and have no contact that lets them part, and every tie of the case. `size`: of
-/// the cells. Throws InputError if the bodies of a tie do not touch.
-std::vector<Joint> find_joints(const Case& c, const std::vector<SurfacePoint>& surface, double size);
+/// Deformable bodies beside each other at the start, by pairs of the case.
+struct Neighbours {
+  std::vector<Joint> joints;                          ///< that touch and have no contact that lets them part, and all ties
+  std::set<std::pair<int, int>> touching;             ///< all that touch
+  std::map<std::pair<int, int>, double> nearly;       ///< less than a tenth of a cell apart, and no contact names them [m]
+};
+
+/// `size`: of the cells. Throws InputError if the bodies of a tie do not touch.
+Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size);
 
 /// Layers of the grid's nodes, by body: those of fields_of_bodies(), and more for bodies that a tie must join. Joints
 /// within a layer become shared nodes. `in_one_cell`: whether the material on both sides of a piece lies in one cell, so

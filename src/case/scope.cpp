@@ -303,7 +303,8 @@ std::optional<std::string> read_file(const Scope& scope, Node::Entry& entry, boo
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) {
     const std::string text =
-        fmt::format("{}: file \"{}\" does not exist (looked for {})", an_entry(scope, entry.key), *written, path);
+        fmt::format("{}: file \"{}\" {} (looked for {})", an_entry(scope, entry.key), *written,
+                    fs::exists(path, ignored) ? "is none: a folder, a pipe or a device" : "does not exist", path);
     if (needed) {
       scope.problems.error(entry.value.place, text);
     } else {

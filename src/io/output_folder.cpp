@@ -98,15 +98,21 @@ void refuse_foreign(const std::filesystem::path& folder) {
   if (first_line(folder / "log.txt").starts_with("berm ")) return;  // what every run writes first
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_directory()) continue;  // cannot be replaced
+    std::error_code error;  // links that lead in a circle
+    if (entry.is_directory(error)) continue;  // cannot be replaced
     if (is_result(name) || name == "log.txt" || name == "case.toml")
       throw InputError(fmt::format("{}: holds a file \"{}\" that is not of a run, and would be lost: choose another folder with --out", folder.string(), name));
   }
 }
 
 void remove_old_results(const std::filesystem::path& folder) {
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (is_result(entry.path().filename().string())) std::filesystem::remove(entry.path());
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!is_result(entry.path().filename().string())) continue;
+    if (entry.is_directory(error))
+      throw InputError(fmt::format("{}: a folder has the name of a result: move it away, or choose another folder with --out", entry.path().string()));
+    std::filesystem::remove(entry.path());
+  }
 }
 
 }  // namespace berm

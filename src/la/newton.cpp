@@ -3,6 +3,9 @@
 #include <dlfcn.h>
 #include <petscsnes.h>
 
+#include <fmt/format.h>
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <csignal>
@@ -42,6 +45,19 @@ void keep_order_of_sums() {
   PetscBool chosen = PETSC_FALSE;
   PetscOptionsHasName(nullptr, nullptr, "-matptap_via", &chosen);
   if (processes > 2 && !chosen) PetscOptionsSetValue(nullptr, "-matptap_via", "backend");
+}
+
+/// OpenBLAS takes memory for itself when it is first called, and asks for ever where it cannot have it.
+void check_room() {
+  constexpr std::size_t needed = std::size_t(160) << 20;
+  static bool had = false;  // it keeps what it has taken
+  if (had) return;
+  void* room = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room == MAP_FAILED)
+    throw RunError(fmt::format("the linear algebra needs {} MB of addresses for itself, and this process may not have as many: raise its limit (ulimit -v)",
+                               needed >> 20));
+  munmap(room, needed);
+  had = true;
 }
 
 }  // namespace
@@ -232,7 +248,9 @@ struct NewtonSolver::Impl {
   }
 };
 
-NewtonSolver::NewtonSolver(const Solver& options, const Comm& comm) : impl_(std::make_unique<Impl>(options, comm)) {}
+NewtonSolver::NewtonSolver(const Solver& options, const Comm& comm) : impl_(std::make_unique<Impl>(options, comm)) {
+  comm.agree(check_room);
+}
 
 NewtonSolver::~NewtonSolver() { impl_->destroy(); }
 

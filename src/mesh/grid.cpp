@@ -294,4 +294,19 @@ Grid make_unstructured_grid(Mesh mesh) {
   return grid;
 }
 
+std::optional<std::pair<int, int>> overlapping_cells(const Mesh& mesh) {
+  if (mesh.n_cells() < 2) return std::nullopt;
+  constexpr double towards_corner = 0.8;
+  const BinLocator locator(mesh);
+  for (int c = 0; c < mesh.n_cells(); ++c) {
+    const Vec3 centre = cell_centre(mesh, c);
+    const Corners p = corners(mesh, c);
+    for (int k = -1; k < p.n; ++k) {
+      const Vec3 place = k < 0 ? centre : Vec3(centre + towards_corner * (p.x[k] - centre));
+      if (const int found = locator.locate(place, -1); found >= 0 && found != c) return std::pair(found, c);
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace berm

@@ -2,6 +2,8 @@
 /// Background grids: a mesh of linear cells and a fast answer to "which cell holds this point?".
 
 #include <memory>
+#include <optional>
+#include <utility>
 #include <string>
 
 #include "mesh/mesh.hpp"
@@ -44,5 +46,9 @@ struct Grid {
 Grid make_structured_grid(const StructuredGrid& spec);
 /// Any conforming mesh of linear cells. Throws InputError if a cell is inverted or not linear.
 Grid make_unstructured_grid(Mesh mesh);
+
+/// Two cells of which one holds the middle of the other, or a place near a corner of it; none in a mesh whose cells lie beside
+/// each other. Edges count as straight.
+std::optional<std::pair<int, int>> overlapping_cells(const Mesh& mesh);
 
 }  // namespace berm

@@ -158,14 +158,22 @@ bool GridBasis::highest_derivative(int cell, const Vec3& x, const Vec3& normal, 
   return true;
 }
 
+namespace {
+
+constexpr double rounding = 1e-9;  ///< of places in units of cells
+
+/// Ends that are outside of the grid are cut off.
+int first_span(double low, int cells) { return std::clamp(static_cast<int>(std::clamp(low, 0.0, cells - 2.0 * rounding) + rounding), 0, cells - 1); }
+
+}  // namespace
+
 /// Over [low, high] in units of cells, in at most two spans; two Gauss points are exact up to cubic functions.
 GridBasis::Reach GridBasis::means(int direction, double low, double high, Factors& value, Factors& slope) const {
-  constexpr double rounding = 1e-9;
   static const auto rule = gauss_line(2);
   const int last = cells_[direction] - 1;
+  const int first = first_span(low, cells_[direction]);
   low = std::clamp(low, 0.0, last + 1.0 - 2.0 * rounding);
   high = std::clamp(high, low + rounding, last + 1.0);
-  const int first = std::clamp(static_cast<int>(low + rounding), 0, last);
   const double line = first + 1.0;
   low = std::max(low, double(first));
   if (high < line + rounding || first == last) high = std::min(high, line);
@@ -186,6 +194,14 @@ GridBasis::Reach GridBasis::means(int direction, double low, double high, Factor
   if (!(high > line)) return {first, 0.0};
   add(first + 1, line, high);
   return {first, (high - line) / (high - low)};
+}
+
+int GridBasis::lowest_cell(const Vec3& x, const Vec3& edges) const {
+  const StructuredGrid& s = *grid_->structure;
+  const Vec3 y = back_ * x - s.origin;
+  std::array<int, 3> first{};
+  for (int d = 0; d < dimension_; ++d) first[d] = first_span((y[d] - 0.5 * edges[d]) / s.cell_size[d], cells_[d]);
+  return (first[2] * cells_[1] + first[1]) * cells_[0] + first[0];
 }
 
 Cover GridBasis::average_box(const Vec3& x, const Vec3& edges, BasisAt& out) const {

@@ -60,6 +60,8 @@ public:
   /// cover is that of the lowest corner of the box: boxes with the same one have the same nodes. Degree 1 and 2, structured
   /// grids of quads or hexahedra.   [docs/theory/formulation.md, (58), (59)]
   Cover average_box(const Vec3& x, const Vec3& edges, BasisAt& out) const;
+  /// The first cell of that cover.
+  int lowest_cell(const Vec3& x, const Vec3& edges) const;
   /// The same over a parallelogram or parallelepiped about x with the columns of `edges`, of functions that are linear
   /// along its edges and agree with those of the grid at its corners (CPDI: Sadeghirad, Brannon and Burghardt 2011). One
   /// that reaches out of the grid is shrunk about x until it does not. Nodes: those of the covered cells, which are in

@@ -210,6 +210,9 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   if (const Stage& stage = world.present_stage(); world.time > stage.end() * (1.0 + 1e-12))
     throw InputError(fmt::format("{}: was written at time {:.6g}, and its stage ends at {:.6g} now: let it end later ({}.duration)", path,
                                  world.time, stage.end(), stage.name.empty() ? "steps" : "stage." + stage.name));
+  if (const Stage& stage = world.present_stage(); world.time < stage.begin * (1.0 - 1e-12))
+    throw InputError(fmt::format("{}: was written at time {:.6g} in stage {}, which begins at {:.6g} now: the stages before it cannot last longer after the fact",
+                                 path, world.time, stage.name, stage.begin));
   step.set_up_stage();
   control = StepControl(world.present_stage());
   world.load_factor = file.read_number("load_factor");

@@ -171,7 +171,7 @@ std::string describe(const World& w) {
     line(b.rigid ? fmt::format("  body {:<12} rigid, {:.6g} {}", b.name, b.measure, unit)
                  : fmt::format("  body {:<12} {:.6g} {}, {:.6g} kg, {} points{}", b.name, b.measure, unit, b.mass,
                                b.points, b.elements ? fmt::format(", {} elements", b.elements) : ""));
-  for (const Joint& j : w.joints)
+  for (const Joint& j : w.neighbours.joints)
     line(fmt::format("  joined            \"{}\" and \"{}\" where they touch ({:.3g} m2), {}", w.spec.bodies[j.body].name,
                      w.spec.bodies[j.other].name, j.area(),
                      j.shared_nodes ? "by the nodes of the grid that they share" : "by a tie on their surface"));

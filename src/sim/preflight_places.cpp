@@ -57,12 +57,19 @@ struct Glue {
 /// Sides of gaps turn towards each other: the angle between their normals and the way across is less than 37 degrees.
 bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) {
   constexpr double facing = 0.8, closed = 1e-6;
-  const Vec3 way = t.X - s.X;
+  const Vec3 way = closest_on_piece(s.X, t) - s.X;  // a gap may be much narrower than pieces are long
   const double length = way.norm();
   return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;
 }
 
-/// A piece at which another body of its layer begins has no gap before it.
+/// Bodies that count as touching at the start; every body touches itself.
+bool are_joined(const World& w, int first, int second) {
+  return first == second || std::any_of(w.neighbours.joints.begin(), w.neighbours.joints.end(), [&](const Joint& j) {
+    return std::minmax(j.body, j.other) == std::minmax(first, second);
+  });
+}
+
+/// A piece at which another body that it touches begins has no gap before it.
 bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
   constexpr double touching = 0.1, opposite = -0.7;
   const Vec3 way = t.X - s.X;
@@ -80,8 +87,8 @@ bool may_face(const std::vector<int>& pieces, const std::vector<SurfacePoint>& s
   return std::any_of(pieces.begin(), pieces.end(), [&](int k) { return surface[k].normal.dot(mean) <= bound; });
 }
 
-std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>& layers, const std::vector<SurfacePoint>& surface,
-                            Groups& groups) {
+std::vector<Glue> find_glue(const World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface, Groups& groups) {
+  const std::vector<int>& layers = w.layers;
   std::unordered_map<int, std::vector<int>> pieces_of_node;
   for (std::size_t k = 0; k < surface.size(); ++k) {
     const int cell = mpm.grid().locator->locate(surface[k].X - 1e-6 * mpm.cell_size() * surface[k].normal, -1);
@@ -93,7 +100,8 @@ std::vector<Glue> find_glue(const MpmDiscretisation& mpm, const std::vector<int>
   std::vector<char> covered(surface.size(), 0);
   for (const auto& [node, pieces] : pieces_of_node)
     for (const int k : pieces)
-      for (const int other : pieces) covered[k] |= layers[surface[k].body] == layers[surface[other].body] && is_covered_by(surface[k], surface[other], h);
+      for (const int other : pieces) covered[k] |= layers[surface[k].body] == layers[surface[other].body] && is_covered_by(surface[k], surface[other], h) &&
+                      are_joined(w, surface[k].body, surface[other].body);
   std::vector<Glue> found;
   for (const auto& [node, pieces] : pieces_of_node) {
     int first = -1;  // glued piece at this node
@@ -125,12 +133,13 @@ std::string cells_text(const MpmDiscretisation& mpm) {
 std::string gap_text(const Case& c, const MpmDiscretisation& mpm, const Gap& gap, const std::vector<SurfacePoint>& surface) {
   const SurfacePoint &s = surface[gap.piece], &t = surface[gap.other];
   const std::string &a = c.bodies[s.body].name, &b = c.bodies[t.body].name;
-  const std::string where = s.body == t.body ? fmt::format("in body \"{}\"", a) : fmt::format("between \"{}\" and \"{}\"", a, b);
+  const std::string where = s.body == t.body ? fmt::format("in body \"{}\"", a) : fmt::format("between bodies \"{}\" and \"{}\"", a, b);
+  const char* close = gap.width < 0.1 * mpm.cell_size() ? "Close it, let" : "Let";
   const char* contact = s.body == t.body ? "" : ", give the two a [contact.NAME]";
   return fmt::format(
-      "the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m. Let {} "
+      "the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m. {} {} "
       "whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true",
-      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm(), mpm.degree(),
+      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm(), close, mpm.degree(),
       mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), contact);
 }
 
@@ -165,7 +174,7 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
 void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
   const double tip = (mpm.degree() + 2) * mpm.cell_size();  // at the end of a notch its sides meet anyway
   Groups groups(surface.size());
-  const std::vector<Glue> glue = find_glue(mpm, w.layers, surface, groups);
+  const std::vector<Glue> glue = find_glue(w, mpm, surface, groups);
   std::map<int, Gap> gaps;
   for (const Glue& g : glue) {
     Gap& gap = gaps[groups.of(g.piece)];
@@ -174,13 +183,10 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
   }
   for (const auto& [root, gap] : gaps) {
     const int first = surface[gap.piece].body, second = surface[gap.other].body;
-    const bool joined = first == second || std::any_of(w.joints.begin(), w.joints.end(), [&](const Joint& j) {
-      return std::minmax(j.body, j.other) == std::minmax(first, second);
-    });
-    if (joined && (gap.high - gap.low).norm() <= tip) continue;
+    if (are_joined(w, first, second) && (gap.high - gap.low).norm() <= tip) continue;
     const std::string text = gap_text(w.spec, mpm, gap, surface);
     if (!w.spec.allow_glued) throw InputError(text);
-    w.spec.warnings.push_back(text.substr(0, text.find(". Let ")));
+    w.warnings.push_back(text.substr(0, std::min(text.find(". Let "), text.find(". Close it"))));
   }
 }
 

@@ -116,11 +116,9 @@ private:
 /// Bodies are seen where they start: what contact does in later stages is not known.
 bool is_first(const World& w, const std::string& stage) { return stage == w.spec.stages.front().name; }
 
-/// Whether two deformable bodies have nodes of the grid in common. Collective.
+/// Whether two deformable bodies touch at the start.
 bool meet(const World& w, const Contact& k) {
-  const auto layers = std::minmax(w.layers[body_index(w.spec, k.body)], w.layers[body_index(w.spec, k.other)]);
-  const auto& all = w.discretisation->interfaces();
-  return w.comm.any(std::any_of(all.begin(), all.end(), [&](const Interface& at) { return std::minmax(at.field_a, at.field_b) == layers; }));
+  return w.neighbours.touching.contains(std::minmax(body_index(w.spec, k.body), body_index(w.spec, k.other)));
 }
 
 /// A contact farther apart than this at the start holds nothing in the first step [cells].
@@ -135,7 +133,7 @@ Groups find_assemblies(const World& w, const std::string& stage, const std::vect
     for (int i = pieces.first(a); i < pieces.end(a); ++i)
       for (int j = pieces.first(b); j < pieces.end(b); ++j) groups.join(i, j);
   };
-  for (const Joint& j : w.joints)
+  for (const Joint& j : w.neighbours.joints)
     if (j.contact < 0 || acts_in(c.contacts[j.contact].stages, stage)) join_bodies(j.body, j.other);
   for (const Contact& k : c.contacts)
     if (!k.other.empty() && k.kind != Contact::Kind::frictionless && acts_in(k.stages, stage) &&
@@ -193,7 +191,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
   // Without friction bodies hold each other along the normal alone.
   for (const Interface& at : d.interfaces())
     for (const Contact& k : c.contacts) {
-      if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, stage)) continue;
+      if (k.other.empty() || k.kind != Contact::Kind::frictionless || !acts_in(k.stages, stage) || (is_first(w, stage) && !meet(w, k))) continue;
       const int first = body_index(c, k.body), second = body_index(c, k.other);
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
       for (const int body : {first, second}) {
@@ -283,7 +281,7 @@ void warn_of_left_nodes(World& w, const MpmDiscretisation& mpm, int boundary, co
     double farthest = 0.0;
     for (int k = 0; k <= samples; ++k) farthest = std::max(farthest, std::abs(b.u[i]->at(c.duration() * k / samples)));
     if (farthest <= left * mpm.cell_size()) continue;
-    w.spec.warnings.push_back(
+    w.warnings.push_back(
         fmt::format("[boundary.{}] moves nodes of the grid by {:.3g} m ({:.2g} cells) along {}, but they stay in their places: the body leaves them. Hold "
                     "its surface in their place (boundary.{}.body = \"NAME\"), or take [model] formulation = \"total_lagrangian\"",
                     b.name, farthest, farthest / mpm.cell_size(), "xyz"[i], b.name));
@@ -366,7 +364,7 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
         throw InputError(fmt::format("{}. Move the body to them, hold its surface by [boundary.{}] body = \"{}\", keep them a cell away from "
                                      "it, or allow it by [model] allow_glued = true",
                                      text, c.boundaries[b].name, c.bodies[body].name));
-      w.spec.warnings.push_back(text);
+      w.warnings.push_back(text);
     }
   }
 }
@@ -390,6 +388,23 @@ void refuse_jumps(const World& w) {
 
 namespace {
 
+/// What lies inside a rigid body at the start is pushed out in the first step, by the stiff springs of contact. Collective.
+void warn_of_depth(World& w) {
+  constexpr double told = 1e-4;  // cells
+  const Case& c = w.spec;
+  const std::vector<BoundaryConditions::Hold> holds = w.boundary->holds(*w.discretisation);
+  for (std::size_t k = 0; k < c.contacts.size(); ++k) {
+    double deepest = 0.0;
+    for (const auto& hold : holds)
+      if (hold.contact == static_cast<int>(k)) deepest = std::max(deepest, -hold.gap);
+    deepest = w.comm.max(deepest);
+    if (deepest <= told * w.discretisation->cell_size()) continue;
+    w.warnings.push_back(with_places(c, fmt::format("[contact.{}]: the surface of \"{}\" starts up to {:.3g} m inside of rigid body \"{}\", and is pushed out in the first "
+                                          "step: let it start where the two touch",
+                                                    c.contacts[k].name, c.contacts[k].body, deepest, c.contacts[k].rigid)));
+  }
+}
+
 /// What those contacts with rigid bodies lack that could hold a body of that name in the first stage and do not reach it. Collective.
 std::string contacts_apart(const World& w, const std::vector<std::string>& names) {
   const Case& c = w.spec;
@@ -408,7 +423,7 @@ std::string contacts_apart(const World& w, const std::vector<std::string>& names
     if (contact.other.empty() && nearest > apart * w.discretisation->cell_size() && std::isfinite(nearest))
       words += fmt::format(" [contact.{}] is {:.3g} m apart: let the bodies touch at the start.", contact.name, nearest);
     if (!contact.other.empty() && contact.kind != Contact::Kind::tie && !meet(w, contact))
-      words += fmt::format(" [contact.{}]: \"{}\" and \"{}\" have no node of the grid in common: let them touch at the start.", contact.name, contact.body, contact.other);
+      words += fmt::format(" [contact.{}]: \"{}\" and \"{}\" are apart: let them touch at the start.", contact.name, contact.body, contact.other);
   }
   return words;
 }
@@ -459,6 +474,7 @@ void look_at_supports(World& w) {
     w.boundary->begin_stage(stage);
     w.begin_step();
   };
+  warn_of_depth(w);
   const std::string& first = c.stages.front().name;
   std::vector<std::string> seen;  // what is held in the same way is wrong in the same way
   for (const Stage& stage : c.stages) {

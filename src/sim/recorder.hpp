@@ -76,6 +76,7 @@ private:
   double dissipated_energy() const;
   double energy_now(double stored, double dissipated) const;
   double energy_error(double stored, double dissipated) const;
+  bool energy_is_rounding() const;  ///< then its error means nothing. Collective.
   void write_row(const StepResult& result, Integration integration);
   void open_history();
   void append(const std::vector<double>& row);

@@ -90,6 +90,10 @@ double Watch::Obstacle::depth(const Vec3& x) {
   return box[at] == far ? 0.0 : std::max(0.0, -region.nearest(x).distance);
 }
 
+void Watch::tell_once(const char* what, const std::string& text) {
+  if (told_.insert(what).second) warn_(text);
+}
+
 /// In small strain places stay where they started.
 Vec3 Watch::place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const {
   return world_.spec.kinematics == Kinematics::small ? Vec3(X[p] + u[p]) : x[p];
@@ -146,7 +150,7 @@ void Watch::look_for_penetration() {
   }
   const double all = world_.comm.max(deepest);
   seen.penetration = std::max(seen.penetration, all);
-  if (all <= told * h || (penetration_told_ && all <= most * h)) return;
+  if (all <= told * h || (has_told("penetration") && all <= most * h)) return;
   std::vector<double> found;  // of the process that has seen it
   if (deepest == all) found = {double(worst), where.x(), where.y(), where.z()};
   found = world_.comm.all_gather(found);
@@ -158,19 +162,17 @@ void Watch::look_for_penetration() {
                   world_.time, all / h);
   if (all > most * h)
     throw RunError(text + ". What the rigid body feels is no longer right: end the run before, " + advice_on_penetration(world_.spec));
-  penetration_told_ = true;
-  warn_(text);
+  tell_once("penetration", text);
 }
 
 void Watch::look_for_overlap() {
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const auto& bodies = world_.spec.bodies;
   const auto deformable = std::count_if(bodies.begin(), bodies.end(), [](const Body& b) { return !b.rigid; });
-  if (overlap_told_ || !mpm || deformable < 2) return;
+  if (has_told("overlap") || !mpm || deformable < 2) return;
   const auto found = mpm->overlap();
   if (!found) return;
-  overlap_told_ = true;
-  warn_(fmt::format("bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at {} holds {:.2g} times as much as it has room for{}",
+  tell_once("overlap", fmt::format("bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at {} holds {:.2g} times as much as it has room for{}",
                     bodies[found->body_a].name, bodies[found->body_b].name, world_.time, place_text(world_.spec, found->where), found->fill,
                     advice_on_overlap(world_.spec)));
 }
@@ -188,9 +190,8 @@ void Watch::look_for_swelling() {
     }
     before = world_.comm.sum(before), now = world_.comm.sum(now), most = world_.comm.max(most);
     seen.swelling = std::max(seen.swelling, now / before);
-    if (now < told * before || swelling_told_) continue;
-    swelling_told_ = true;
-    warn_(fmt::format("\"{}\" has swollen to {:.3g} times its volume at time {:.6g}, a point to {:.3g} times: dilatancy does not end by itself{}",
+    if (now < told * before || has_told("swelling")) continue;
+    tell_once("swelling", fmt::format("\"{}\" has swollen to {:.3g} times its volume at time {:.6g}, a point to {:.3g} times: dilatancy does not end by itself{}",
                       world_.spec.bodies[slice.body].name, now / before, world_.time, most, advice_on_dilatancy(slice.law)));
   }
 }
@@ -199,15 +200,14 @@ void Watch::look_for_swelling() {
 /// they are large, are its own business.
 void Watch::look_for_large_motion() {
   constexpr double told = 0.1;
-  if (motion_told_ || world_.spec.kinematics != Kinematics::small) return;
+  if (has_told("motion") || world_.spec.kinematics != Kinematics::small) return;
   const MaterialState& m = world_.discretisation->material;
   for (const Slice& slice : m.slices) {
     double sum = 0.0, volume = 0.0;
     for (int p = slice.begin; p < slice.end; ++p) sum += m.volume[p] * (m.F[p] - Mat3::Identity()).norm(), volume += m.volume[p];
     sum = world_.comm.sum(sum), volume = world_.comm.sum(volume);
     if (!(sum > told * volume)) continue;
-    motion_told_ = true;
-    warn_(fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
+    tell_once("motion", fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
                       "[model] kinematics = \"finite\"",
                       world_.spec.bodies[slice.body].name, sum / volume, world_.time));
     return;
@@ -219,7 +219,7 @@ void Watch::look_for_large_motion() {
 void Watch::look_for_lag() {
   constexpr double told = 0.1, far = 1e-4;  // of the motion; cells
   const Discretisation& d = *world_.discretisation;
-  if (lag_told_) return;
+  if (has_told("lag")) return;
   const BoundaryConditions::Lag mine = world_.boundary->worst_lag(world_.time);
   const double missing = world_.comm.max(mine.missing);
   if (missing == 0.0) return;
@@ -230,9 +230,8 @@ void Watch::look_for_lag() {
   if (mine.missing == missing) found = {double(mine.boundary), mine.prescribed, mine.at.x(), mine.at.y(), mine.at.z()};
   found = world_.comm.all_gather(found);
   if (missing <= told * std::max(moved, found[1]) || (missing <= far * d.cell_size() && missing <= told * found[1])) return;
-  lag_told_ = true;
   const NodeBoundary& b = world_.spec.boundaries[static_cast<int>(found[0])];
-  warn_(fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "
+  tell_once("lag", fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "
                     "nodes of the grid, a rigid body or a tie that move otherwise. Leave out one of the two, or keep their regions a cell apart",
                     b.name, found[1], b.body, place_text(world_.spec, Vec3(found[2], found[3], found[4])), missing, world_.time));
 }
@@ -243,13 +242,12 @@ void Watch::look_for_torn_ties() {
   const double h = world_.discretisation->cell_size();
   for (const auto& [k, apart] : world_.boundary->tied_apart()) {
     const Contact& tie = world_.spec.contacts[k];
-    if (apart <= told * h || (torn_told_ && apart <= most * h)) continue;
+    if (apart <= told * h || (has_told("torn") && apart <= most * h)) continue;
     const std::string text = fmt::format("the surfaces that [contact.{}] ties are {:.3g} m ({:.2g} cells) apart or deep in one another at time {:.6g}: what is prescribed "
                                          "tears or crushes the body, and the reaction is that of the tie. Is the motion meant to be so large, in m?",
                                          tie.name, apart, apart / h, world_.time);
     if (apart > most * h) throw RunError(text);
-    torn_told_ = true;
-    warn_(text);
+    tell_once("torn", text);
   }
 }
 
@@ -314,9 +312,8 @@ void Watch::look_for_smeared_cracks() {
   }
   if (sum <= 0.0) return;
   seen.columns = std::max(seen.columns, columns / sum);
-  if (columns <= allowed || smeared_told_) return;
-  smeared_told_ = true;
-  warn_(fmt::format("cracks are smeared over {:.2g} cells side by side in the mean at time {:.6g}, most near {}: a zone of uniform stress softens "
+  if (columns <= allowed || has_told("smeared")) return;
+  tell_once("smeared", fmt::format("cracks are smeared over {:.2g} cells side by side in the mean at time {:.6g}, most near {}: a zone of uniform stress softens "
                     "as a whole and takes up the energy of as many cracks. Say where the crack begins: a notch, or a body one cell wide of a "
                     "material with a tensile strength a few per cent lower",
                     columns / sum, world_.time, place_text(world_.spec, where)));

@@ -3,6 +3,7 @@
 /// reactions that jump, soil that swells without end.
 
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -60,12 +61,14 @@ private:
   void look_for_lag();
   void look_for_torn_ties();
   void look_for_idle_bodies() const;
+  bool has_told(const char* what) const { return told_.contains(what); }
+  void tell_once(const char* what, const std::string& text);
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
 
   const World& world_;
   Say warn_;
   std::vector<Obstacle> obstacles_;
-  bool penetration_told_ = false, overlap_told_ = false, swelling_told_ = false, smeared_told_ = false, motion_told_ = false, lag_told_ = false, torn_told_ = false;
+  std::set<std::string> told_;  ///< what has been warned of
   // of the last steps
   std::vector<Vec3> reaction_, change_, rate_;  ///< by case body
   std::vector<double> largest_;                 ///< reaction so far [N]

@@ -88,8 +88,12 @@ Region region_of(const Body& body, double cell_size) {
 }
 
 Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) {
-  if (!body.mesh_file.empty()) return extract_group(read_mesh(c, body.mesh_file), body.mesh_group, body.mesh_file);
-  return of_body(body, [&] { return mesh_shape(*body.shape, options); });
+  if (body.mesh_file.empty()) return of_body(body, [&] { return mesh_shape(*body.shape, options); });
+  Mesh mesh = extract_group(read_mesh(c, body.mesh_file), body.mesh_group, body.mesh_file);
+  if (const auto found = overlapping_cells(mesh))
+    throw InputError(fmt::format("[body.{}]: two elements of {} lie in one another near {}: what is there would count twice. Mesh the body again, or leave one of them out",
+                                 body.name, body.mesh_file, place_text(c, cell_centre(mesh, found->second))));
+  return mesh;
 }
 
 /// Surface points stand this many to a cell: enough for the ends of a loaded arc to count. In space each stands for an
@@ -172,10 +176,19 @@ void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> plac
   built.measures[body] = std::move(measures);
 }
 
-/// Pins, gauges and probes must lie in a deformable body.
+/// Pins, gauges and probes must lie in a deformable body: in its shape but for a part of a cell, or near its elements.
 void check_places(const World& w, const BuiltBodies& built, Findings& found) {
-  const double reach = 1.5 * longest_edge(w.discretisation->mesh());
+  constexpr double beside = 0.1;  // cells
+  const double reach = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
+  std::vector<Region> shapes;
+  bool all_have = true;
+  for (const Body& body : w.spec.bodies) {
+    if (body.rigid) continue;
+    if (body.shape) shapes.emplace_back(*body.shape, h);
+    all_have = all_have && body.shape;
+  }
   const auto is_near = [&](const Vec3& x) {
+    if (all_have) return std::any_of(shapes.begin(), shapes.end(), [&](const Region& r) { return r.contains(x) || r.nearest(x).distance <= beside * h; });
     return std::any_of(built.places.begin(), built.places.end(), [&](const std::vector<Vec3>& places) {
       return std::any_of(places.begin(), places.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; });
     });
@@ -196,7 +209,7 @@ void check_places(const World& w, const BuiltBodies& built, Findings& found) {
 /// With what else is wrong, if anything is.
 void add_boundary(World& w, const BuiltBodies& built, Findings& found) {
   check_places(w, built, found);
-  found.look([&] { w.boundary = std::make_unique<BoundaryConditions>(w.spec, *w.discretisation, built.surface, w.joints); });
+  found.look([&] { w.boundary = std::make_unique<BoundaryConditions>(w.spec, *w.discretisation, built.surface, w.neighbours.joints); });
   found.throw_if_any();
 }
 
@@ -268,12 +281,19 @@ void build_mpm(World& w, BuiltBodies& built) {
     found.look([&] { add_body(w, built, *mpm, boxes, static_cast<int>(b), meets_others[b] > 0); });
   found.throw_if_any();
   found.look([&] { refuse_overlaps(c, built, h); });
-  found.look([&] { w.joints = find_joints(c, surface, h); });
-  w.layers = layers_of_bodies(c, w.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
+  found.look([&] { w.neighbours = find_neighbours(c, surface, h); });
+  w.layers = layers_of_bodies(c, w.neighbours.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
   found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
   w.discretisation = std::move(mpm);
   add_boundary(w, built, found);
+}
+
+/// In MPM common nodes would join the two, which refuse_glued_gaps sees.
+void tell_narrow_gaps(World& w) {
+  for (const auto& [pair, gap] : w.neighbours.nearly)
+    w.warnings.push_back(fmt::format("bodies \"{}\" and \"{}\" are {:.3g} m apart and not joined: what touches shall have no gap in the file",
+                                           w.spec.bodies[pair.first].name, w.spec.bodies[pair.second].name, gap));
 }
 
 void build_fem(World& w, BuiltBodies& built) {
@@ -307,7 +327,8 @@ void build_fem(World& w, BuiltBodies& built) {
     if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
   Findings found;
   found.look([&] { refuse_overlaps(c, built, fem->cell_size()); });
-  found.look([&] { w.joints = find_joints(c, surface, fem->cell_size()); });
+  found.look([&] { w.neighbours = find_neighbours(c, surface, fem->cell_size()); });
+  tell_narrow_gaps(w);
   w.discretisation = std::move(fem);
   add_boundary(w, built, found);
 }
@@ -328,7 +349,7 @@ void warn_of_missing_contacts(World& w) {
   if (c.method == Method::fem) return;
   const std::vector<int>& field = w.layers;
   std::set<std::pair<int, int>> kept_apart, meet;
-  for (const Joint& j : w.joints) kept_apart.insert(std::minmax(field[j.body], field[j.other]));
+  for (const Joint& j : w.neighbours.joints) kept_apart.insert(std::minmax(field[j.body], field[j.other]));
   for (const Contact& contact : c.contacts) {
     if (contact.other.empty()) continue;
     const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];

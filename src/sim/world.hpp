@@ -36,7 +36,7 @@ struct World {
   bool step_begun = false;     ///< begin_step has been called for the state at t_n
 
   std::string file_contents;  ///< of the files that the case names, as numbers (case/differences)
-  std::vector<Joint> joints;  ///< of deformable bodies that touch at the start
+  Neighbours neighbours;      ///< of deformable bodies at the start
   std::vector<int> layers;    ///< of the grid's nodes, by body; mpm
   std::vector<BodyParts> parts;  ///< at the start, by body
 

@@ -210,7 +210,8 @@ void MpmDiscretisation::find_cells() {
 double MpmDiscretisation::imbalance_of_cuts() const {
   std::vector<double> points(comm_.size(), 0.0);
   int owner = 0, last = -1;
-  for (const int cell : cell_) {  // most follow one of the same cell
+  for (int p = 0; p < static_cast<int>(x_.size()); ++p) {  // most follow one of the same cell
+    const int cell = deciding_cell(p);
     if (cell != last) owner = owner_of_cell(cell), last = cell;
     ++points[owner];
   }
@@ -222,7 +223,7 @@ double MpmDiscretisation::imbalance_of_cuts() const {
 void MpmDiscretisation::share_cells(double rebalance) {
   if (shared_out_ && imbalance_of_cuts() <= rebalance) return;
   std::map<int, int> points_of_cell;
-  for (int c : cell_) ++points_of_cell[c];
+  for (int p = 0; p < static_cast<int>(x_.size()); ++p) ++points_of_cell[deciding_cell(p)];
   std::vector<Vec3> places;
   std::vector<double> weights;
   for (const auto& [cell, n] : points_of_cell) {
@@ -239,7 +240,7 @@ void MpmDiscretisation::send_points() {
   std::vector<int> owner(x_.size());
   bool leaving = false;
   for (std::size_t p = 0; p < x_.size(); ++p) {
-    owner[p] = owner_of_cell(cell_[p]);
+    owner[p] = owner_of_cell(deciding_cell(static_cast<int>(p)));
     leaving = leaving || owner[p] != comm_.rank();
   }
   if (!comm_.any(leaving)) return;

@@ -147,6 +147,8 @@ private:
   double imbalance_of_cuts() const;
   void share_cells(double rebalance);
   void send_points();
+  /// The cell whose owner has a point. Boxes with one list of nodes have one mean dilatation, which takes all of them.
+  int deciding_cell(int p) const;
   // the connectivity of a step (mpm_connectivity.cpp)
   void sort_points(const std::vector<Anchor*>& anchors);
   void find_carriers(const std::vector<Anchor*>& anchors, const std::function<bool(int layered)>& is_filled);
@@ -176,6 +178,7 @@ private:
   void weigh_covered_cells(const std::map<int, CellState>& covered, const std::vector<Anchor*>& anchors);
   Mat3 edges(int p) const;
   Vec3 box_edges(int p) const;
+  Vec3 domain_box(int p) const;
   int edge_to_split(int p) const;
   void split_points();
   int layered_cell(int cell, int body) const {

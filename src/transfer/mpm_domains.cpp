@@ -72,10 +72,18 @@ Vec3 MpmDiscretisation::box_edges(int p) const {
   return box;
 }
 
+/// No longer than cells.
+Vec3 MpmDiscretisation::domain_box(int p) const { return box_edges(p).cwiseMin(grid_.structure->cell_size); }
+
+int MpmDiscretisation::deciding_cell(int p) const {
+  const bool boxes = shapes_.domain == ShapeChoice::Domain::box;
+  return f_bar_ && boxes ? basis_.lowest_cell(seen(p), domain_box(p)) : cell_[p];
+}
+
 Cover MpmDiscretisation::cover_of(int p, BasisAt& shape) const {
   if (shapes_.domain == ShapeChoice::Domain::parallelepiped)
     return basis_.average_corners(seen(p), edges(p), cell_[p], shape);
-  return basis_.average_box(seen(p), box_edges(p).cwiseMin(grid_.structure->cell_size), shape);
+  return basis_.average_box(seen(p), domain_box(p), shape);
 }
 
 /// Patches, shape functions, and what lies in the cells.

@@ -442,6 +442,73 @@ def origin_of_results():
     return ""
 
 
+def children(pid):
+    """Of a process, and theirs."""
+    found = [int(p) for p in pathlib.Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    return found + [p for child in found for p in children(child)]
+
+
+def is_berm(pid):
+    try:
+        return os.path.samefile(f"/proc/{pid}/exe", BERM)
+    except OSError:
+        return False
+
+
+def process_that_is_killed():
+    """As the system does where memory runs out."""
+    pathlib.Path("long.toml").write_text(LONG)
+    process = subprocess.Popen([BERM, "run", "long.toml", "--quiet", "-n", "2", "--oversubscribe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if not until(lambda: rows("out/long") > 2, process):
+        process.kill()
+        return f"did not begin: {process.communicate()}"
+    os.kill([p for p in children(process.pid) if is_berm(p)][-1], signal.SIGKILL)
+    out, errors = process.communicate(timeout=60)
+    return wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "ended by signal 9 (Killed)", "--restart")
+
+
+def little_memory():
+    """Between what the program itself takes and what the linear algebra wants beside it."""
+    sizes = [n << 20 for n in range(200, 1000, 50)]
+    ends = []
+    for size in sizes:
+        done = berm("run", "case.toml", "--force", timeout=60, preexec_fn=lambda size=size: resource.setrlimit(resource.RLIMIT_AS, (size, size)))
+        ends.append((size >> 20, done.returncode, done.stderr[-200:]))
+        if done.returncode == 0:
+            break
+    said = [text for _, code, text in ends if code == 1 and "raise its limit (ulimit -v)" in text]
+    return "" if said and ends[-1][1] == 0 else str(ends)
+
+
+def tool_that_is_ended():
+    """The runs of a sweep end with it."""
+    pathlib.Path("long.toml").write_text(LONG)
+    pathlib.Path("sweep.toml").write_text('[variant.a]\ncase = "long.toml"\n[variant.b]\ncase = "long.toml"\n')
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        shutil.rmtree("swept", ignore_errors=True)
+        process = subprocess.Popen([BERM, "sweep", "sweep.toml", "--out", "swept"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if not until(lambda: rows("swept/a") > 2, process):
+            process.kill()
+            return f"did not begin: {process.communicate()}"
+        process.send_signal(number)
+        out, errors = process.communicate(timeout=60)
+        why = wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "interrupted")
+        if why or status("swept/a") != "stopped" or pathlib.Path("swept/b").exists():
+            return f"{number.name}: {why} {status('swept/a')} {files('swept')}"
+    return ""
+
+
+def odd_entries():
+    """Links that lead in a circle are nobody's results; a folder with the name of one is not removed."""
+    pathlib.Path("out/case").mkdir(parents=True)
+    os.symlink("loop", "out/case/loop")
+    if why := wrong(berm("run", "case.toml"), 0):
+        return why
+    os.remove("out/case/checkpoint.h5") if os.path.exists("out/case/checkpoint.h5") else None
+    pathlib.Path("out/case/checkpoint.h5").mkdir()
+    return wrong(berm("run", "case.toml", "--force"), 2, "out/case/checkpoint.h5: a folder has the name of a result")
+
+
 def progress():
     """A line at least every five seconds, also of a run of slow steps."""
     pathlib.Path("long.toml").write_text(LONG)
@@ -453,7 +520,8 @@ def progress():
 
 
 TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
-         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, progress]
+         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
+         little_memory, tool_that_is_ended, odd_entries, progress]
 
 
 def main():

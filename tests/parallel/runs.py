@@ -1029,6 +1029,11 @@ class AnyNumberOfProcesses(Case):
             self.same("drawn", [shape, *FINITE], history=1e-7, points=1e-7, counts=counts)
             self.same("drawn_solid", [shape, *FINITE], history=1e-7, points=1e-7, counts=(2,))
 
+    def test_f_bar_of_domains(self):
+        """Boxes with one list of nodes have one mean dilatation, wherever their middles lie."""
+        for functions in ("cpgimp", "ugimp", "cpdi"):
+            self.same("drawn", [f"grid.shape_functions={functions}", *FINITE, *F_BAR], history=1e-7, points=1e-7)
+
     def test_held_surface(self):
         self.same("held", history=1e-7, points=1e-7)
 

@@ -24,6 +24,7 @@ LEFT_BASE = BASE.replace("{ max = [9.0, 1e-6] }", "{ max = [0.45, 1e-6] }")
 ROLLERS = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"
 UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").replace("[1.0, 1.0]", "[1.0, 2.0]")
 SEAM = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # the places of 2 and 3 twice
+TWICE = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (2, 0), (2, 1), (0.5, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
 AT_REST = PLATE[:PLATE.index("displacement")]
@@ -65,19 +66,27 @@ MODELS = {
     "a plate out of reach": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.0, 0.3]") + PLATE.replace("[-0.1, 1.0]", "[-0.1, -0.1]").replace("[1.1, 1.4]", "[1.1, 0.0]")
                              + ON_PLATE.replace("KIND", "no_slip") + FEW, [("body.a", "[contact.c] is 0.3 m apart")]),
     "a block out of reach": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[1.0, 0.5]") + UPON + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE + FEW,
-                             [("body.b", "have no node of the grid in common")]),
+                             [("body.b", "\"b\" are apart")]),
     "hangs under a plate": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK + AT_REST + ON_PLATE.replace("KIND", "no_slip") + FEW, [("body.a", "the weight draws the body away")]),
     "slips down beside a plate": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC + BLOCK + AT_REST.replace("[-0.1, 1.0]", "[1.0, 0.0]").replace("1.1, 1.4", "1.2, 1.0")
                                   + ON_PLATE.replace("KIND", "friction").replace('"a"', '"a"\nfriction = 0.5') + FEW, [("body.a", "the weight draws the body away from there or along it")]),
+    "a joint that the grid does not see": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + FEW, [("body.a", "the gap of 0.002 m between")]),
+    "a joint that nothing closes, fem": (FEM + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + TOP.replace("0.9999", "1.9999").replace("1.0001", "2.0001").replace("uy", "ux = 0.0\nuy") + FEW,
+                                         [("body.a", "warning: 0.002 m apart and not joined")]),
+    "a gap under a block that contact holds": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.02]") + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE + FEW,
+                                               [("body.b", "are apart")]),
+    "a stamp that begins inside": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("[-0.1, 1.0]", "[-0.1, 0.999]") + ON_PLATE.replace("KIND", "frictionless") + FEW,
+                                   [("contact.c", "warning: starts up to 0.001 m inside of rigid body")]),
+    "elements in one another": (FEM + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "twice.msh"\n' + BASE + FEW, [("body.a", "lie in one another")]),
     "touched in two ways": (GRID + ELASTIC + BLOCK + BASE + PLATE + ON_PLATE.replace("KIND", "tie") + ON_PLATE.replace("KIND", "no_slip").replace("contact.c", "contact.d") + FEW,
                             [("contact.d", "is for the same two bodies already")]),
     "weight along the radius": ('model = { plane = "axisymmetric", gravity = [-9.81, 0.0] }\n' + GRID.replace("[-0.2,", "[0.0,") + ELASTIC + BLOCK + BASE + FEW,
                                 [("model", "gravity along the radius is no weight")]),
     "nothing acts": (GRID + "[model]\ngravity = [0.0, 0.0]\n" + ELASTIC + BLOCK + BASE + FEW, [("model", "warning: nothing acts on the bodies")]),
     "a plate that touches nothing": (GRID + ELASTIC + BLOCK + BASE + PLATE + FEW, [("body.plate", "warning: touches nothing")]),
-    "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
+    "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.02, 0.5]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
                                + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
-                               [("pin.p", "(1.7, 1.7)"), ("gauge.g", "(1.8, 0.2)"), ("probe.q", "(1.9, 1.9)")]),
+                               [("pin.p", "(1.02, 0.5)"), ("gauge.g", "(1.8, 0.2)"), ("probe.q", "(1.9, 1.9)")]),
     "places beside the body, fem": (FEM + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
                                     [("pin.p", "(1.7, 1.7)"), ("probe.q", "(1.9, 1.9)")]),
     "loads and supports that catch nothing": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "0.93").replace("1.0001", "0.95") + PRESSURE.replace("NAME", "p").replace("MIN", "[1.3, 0.0]").replace("VALUE", "1 MPa")
@@ -131,7 +140,8 @@ def main():
         with tempfile.TemporaryDirectory() as scratch:
             path = pathlib.Path(scratch) / "case.toml"
             path.write_text(text, encoding="utf-8")
-            (pathlib.Path(scratch) / "seam.msh").write_text(SEAM, encoding="ascii")
+            for file, mesh in (("seam.msh", SEAM), ("twice.msh", TWICE)):
+                (pathlib.Path(scratch) / file).write_text(mesh, encoding="ascii")
             done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
         said = done.stdout + done.stderr
         missing = []

@@ -184,7 +184,7 @@ uy = 0.0
 count = 1
 )toml",
                              two, box(0.0, 0.0, a, 0.1), other, box(b, 0.0, 1.0, 0.1)))
-        .world->joints;
+        .world->neighbours.joints;
   };
   EXPECT_TRUE(joints(0.5, 0.55, "n").empty()) << "a gap of half a cell";
   ASSERT_EQ(joints(0.5, 0.5, "n").size(), 1u);

@@ -60,7 +60,7 @@ bool warns(const World& w, const std::string& word) {
 const std::string two_blocks = grid + material + body("a", box(0, 0, 0.5, 0.5)) + body("b", box(0.55, 0, 1, 0.5)) + base;
 
 TEST(Preflight, BodiesThatTheGridWouldGlue) {
-  expect_words(complaint(two_blocks), {"gap of 0.05 m between \"a\" and \"b\"", "(0.525, ", "[contact.NAME]", "allow_glued"});
+  expect_words(complaint(two_blocks), {"gap of 0.05 m between bodies \"a\" and \"b\"", "(0.525, ", "[contact.NAME]", "allow_glued"});
   EXPECT_EQ(complaint(two_blocks, {"body.b.shape.box.min=[0.7,0.0]", "body.b.shape.box.max=[1.2,0.5]"}), "");  // two whole cells
   EXPECT_EQ(complaint(two_blocks, {"contact.c={body=\"a\",other=\"b\",kind=\"frictionless\"}"}), "");
   const auto w = build_world(case_of(two_blocks, {"model.allow_glued=true"}));

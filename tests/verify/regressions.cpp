@@ -62,6 +62,30 @@ TEST(Regression, NodesOfABoundaryAndOfARigidBodyCountOnce) {
   EXPECT_LT(energy_error(m), 1e-6);
 }
 
+/// What the springs of pins stored was missing.
+TEST(Regression, WhatPinsStoreIsInTheBalance) {
+  const std::string held = block.substr(0, block.find("[boundary.base]")) + block.substr(block.find("[steps]"));
+  Model m("method = \"mpm\"\n[model]\nkinematics = \"small\"\n[grid]\norigin = [-0.5, -0.5]\ncell_size = 0.25\ncells = [8, 8]\n" + held + R"(
+[pin.left]
+body = "b"
+at = [0.0, 0.0]
+fix = "xy"
+[pin.right]
+body = "b"
+at = [1.0, 0.0]
+fix = "y"
+[pressure.top]
+body = "b"
+where.box.min = [-1.0, 0.999]
+value = 1e4
+)");
+  ASSERT_TRUE(m.run());
+  const double work = m.step.balance().external_work, kept = m.step.balance().contact_work;
+  // Two pins with half of the load of 10 kN each and springs of E t: 2 x (5 kN)^2 / (2 x 1 MN/m)
+  EXPECT_NEAR(kept, 25.0, 0.25);
+  EXPECT_NEAR(work - m.material().stored_energy(), kept, 1e-6 * work);
+}
+
 /// Two boundaries that disagree about a node: the last one won silently.
 TEST(Regression, BoundariesThatDisagreeAreRefused) {
   const std::string text = "method = \"fem\"\n" + block +
