@@ -61,6 +61,26 @@ class Compare(unittest.TestCase):
         self.assertAlmostEqual(float(line.split()[1]), 1e-4 * 5 / 9, delta=2e-6)
         self.assertEqual(self.run_main("--history", "1e-4")[0], 0)
 
+    def add_columns(self, folder, columns):
+        """`columns`: {header: value of every row}."""
+        path = os.path.join(folder, "history.csv")
+        with open(path, encoding="utf-8") as file:
+            header, *rows = file.read().splitlines()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("\n".join([",".join([header, *columns]), *(",".join([r, *map(repr, columns.values())]) for r in rows)]) + "\n")
+
+    def test_rounding_of_a_reaction_of_nothing_is_measured_by_the_others(self):
+        self.add_columns(self.a, {"reaction_y:wall [N]": 2e6, "reaction_y:idle [N]": 3e-7})
+        self.add_columns(self.b, {"reaction_y:wall [N]": 2e6, "reaction_y:idle [N]": -1e-7})
+        code, printed, _ = self.run_main()
+        self.assertEqual(code, 0, printed)
+        self.assertEqual(float(self.line(printed, "reaction_y:idle").split()[3]), 2.0)
+
+    def test_a_small_reaction_of_its_own_is_judged(self):
+        self.add_columns(self.a, {"reaction_y:wall [N]": 2e6, "reaction_y:small [N]": 10.0})
+        self.add_columns(self.b, {"reaction_y:wall [N]": 2e6, "reaction_y:small [N]": 10.1})
+        self.assertEqual(self.run_main()[0], 1)
+
     def test_only_before_the_peak(self):
         self.scale_cell(15, "reaction", 1.5)
         self.assertEqual(self.run_main()[0], 1)
