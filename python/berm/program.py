@@ -17,6 +17,8 @@ def end_runs_with_the_tool():
 
     def end(_number, _frame):
         global _ended
+        if _ended:  # a second signal would end the runs at once
+            return
         _ended = True
         for process in list(_running):
             process.terminate()
@@ -36,9 +38,16 @@ def find_berm(given=None):
     return berm
 
 
+def _wait_or_terminate(process, seconds=10.0):
+    try:
+        process.wait(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        process.terminate()
+
+
 def run_case(berm, case, out, overrides, force):
-    """Runs a case; returns its exit code and what it said to standard error. The program judges what is in the folder: without `force` it refuses the
-    results of a run that came to its end, and it replaces nothing but what runs write."""
+    """Runs a case; returns its exit code and what it said to standard error. The program judges what is in the folder: without
+    `force` it refuses the results of a run that came to its end, and it replaces nothing but what runs write."""
     arguments = [berm, "run", case, "--out", out]
     for override in overrides:
         arguments += ["--set", override]
@@ -50,8 +59,15 @@ def run_case(berm, case, out, overrides, force):
         arguments, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", errors="surrogateescape"
     )
     _running.add(process)
+    if _ended:  # meanwhile
+        process.terminate()
     try:
         _, said = process.communicate()
+    except BaseException:  # Ctrl-C in a terminal reaches the run too, which ends in order; another signal may not have
+        if not _ended:
+            _wait_or_terminate(process)
+        process.wait()
+        raise
     finally:
         _running.discard(process)
     return subprocess.CompletedProcess(arguments, process.returncode, stderr=said)

@@ -59,4 +59,16 @@ inline bool share_a_stage(const Stages& a, const Stages& b) {
   return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }
 
+inline bool is_zero(const Pressure& p) { return p.traction ? p.traction->is_zero() : p.value.is_zero(); }
+
+/// No load, motion or velocity in any stage; gravity, if there is any.
+inline bool only_weight_acts(const Case& c) {
+  const auto rests = [](const Body& b) { return b.displacement.is_zero() && b.acceleration.is_zero() && b.velocity.is_zero(); };
+  const auto holds_still = [](const NodeBoundary& b) {
+    return b.un.is_zero() && std::all_of(b.u.begin(), b.u.end(), [](const auto& u) { return !u || u->is_zero(); });
+  };
+  return std::all_of(c.bodies.begin(), c.bodies.end(), rests) && std::all_of(c.pressures.begin(), c.pressures.end(), is_zero) &&
+         std::all_of(c.boundaries.begin(), c.boundaries.end(), holds_still);
+}
+
 }  // namespace berm

@@ -36,10 +36,15 @@ bool touch(const SurfacePoint& first, const SurfacePoint& second, double size) {
 class Shapes {
 public:
   Shapes(const Case& c, double size) : case_(c), size_(size) {}
-  /// Of the shapes near a piece of the surface; zero where there are none.
-  double apart(const SurfacePoint& s, int other) {
-    const Region *own = region(s.body), *theirs = region(other);
-    return own && theirs ? std::abs(theirs->nearest(own->nearest(s.X).point).distance) : 0.0;
+  /// Of the shapes near a place on the surface of a body; zero where there are none.
+  double apart(const Vec3& x, int body, int other) {
+    const Region *own = region(body), *theirs = region(other);
+    return own && theirs ? std::abs(theirs->nearest(own->nearest(x).point).distance) : 0.0;
+  }
+  /// At the middle or an end of a piece, whatever is least.
+  double least_apart(const SurfacePoint& s, int other) {
+    const Vec3 half = 0.5 * s.size * Vec3(-s.normal.y(), s.normal.x(), 0.0);
+    return std::min({apart(s.X, s.body, other), apart(s.X + half, s.body, other), apart(s.X - half, s.body, other)});
   }
 
 private:
@@ -82,7 +87,8 @@ private:
   std::unordered_map<std::array<long, 3>, std::vector<int>, Hash> bins_;
 };
 
-/// By pair of bodies, the pieces of the first one's surface that touch the second; and how far apart those are that nearly do.
+/// By pair of bodies, the pieces of the first one's surface that touch the second; and how far apart the bodies are where they
+/// only nearly do, or in a corner.
 std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const std::vector<SurfacePoint>& surface,
                                                           double size, std::map<Pair, double>& nearly) {
   constexpr double closed = 1e-3;
@@ -94,12 +100,11 @@ std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const s
     bins.for_near(s.X, [&](int k) {
       const SurfacePoint& other = surface[k];
       if (other.body <= s.body || touched.count(other.body) || !touch(s, other, size)) return;
-      const double apart = shapes.apart(s, other.body);
-      if (apart <= closed * size) {
+      if (shapes.apart(s.X, s.body, other.body) <= closed * size) {
         touched.insert(other.body);
       } else {
-        double& least = nearly.try_emplace({s.body, other.body}, apart).first->second;
-        least = std::min(least, apart);
+        double& least = nearly.try_emplace({s.body, other.body}, infinity).first->second;
+        least = std::min(least, shapes.least_apart(s, other.body));
       }
     });
     for (const int body : touched) pieces[{s.body, body}].push_back(s);
@@ -144,6 +149,10 @@ double Joint::area() const {
   return sum;
 }
 
+/// Of the size of a cell, and of the shapes of bodies: that far apart contact holds from the first step on; and what touches at
+/// a vertex is no gap.
+constexpr double still_touching = 0.01, in_a_corner = 1e-3;
+
 Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size) {
   Neighbours found;
   const auto pieces = touching_pieces(c, surface, size, found.nearly);
@@ -166,7 +175,11 @@ Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surfa
     found.touching.insert(pair);
     if (!spoken_of.count(pair)) joints.push_back({pair.first, pair.second, -1, false, list});
   }
-  std::erase_if(found.nearly, [&](const auto& entry) { return pieces.count(entry.first) || spoken_of.count(entry.first); });
+  for (const auto& [pair, apart] : found.nearly)
+    if (apart <= still_touching * size) found.touching.insert(pair);
+  std::erase_if(found.nearly, [&](const auto& entry) {
+    return entry.second <= in_a_corner * size || pieces.count(entry.first) || spoken_of.count(entry.first);
+  });
   return found;
 }
 

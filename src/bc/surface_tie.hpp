@@ -22,7 +22,7 @@ struct Joint {
 /// Deformable bodies beside each other at the start, by pairs of the case.
 struct Neighbours {
   std::vector<Joint> joints;                          ///< that touch and have no contact that lets them part, and all ties
-  std::set<std::pair<int, int>> touching;             ///< all that touch
+  std::set<std::pair<int, int>> touching;             ///< all that touch, also at a vertex, but for a hundredth of a cell
   std::map<std::pair<int, int>, double> nearly;       ///< less than a tenth of a cell apart, and no contact names them [m]
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "bc/case_lookup.hpp"
 #include "case/units.hpp"
 
 namespace berm {
@@ -14,21 +15,6 @@ Place place_in(const Node& root, const std::string& kind, const std::string& nam
   if (!table) return {};
   const Node::Entry* entry = table->value.find(key);
   return entry ? entry->place : table->place;
-}
-
-namespace {
-
-bool is_nothing(const Pressure& p) { return p.traction ? p.traction->is_zero() : p.value.is_zero(); }
-
-}  // namespace
-
-bool only_weight_acts(const Case& c) {
-  const auto rests = [](const Body& b) { return b.displacement.is_zero() && b.acceleration.is_zero() && b.velocity.is_zero(); };
-  const auto holds_still = [](const NodeBoundary& b) {
-    return b.un.is_zero() && std::all_of(b.u.begin(), b.u.end(), [](const auto& u) { return !u || u->is_zero(); });
-  };
-  return std::all_of(c.bodies.begin(), c.bodies.end(), rests) && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing) &&
-         std::all_of(c.boundaries.begin(), c.boundaries.end(), holds_still);
 }
 
 void doubt_case(const Case& c, const Node& root, Problems& problems) {
@@ -53,7 +39,7 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
     problems.error(place_in(root, "model", "", "gravity"),
                    "gravity along the radius is no weight: the axis of rotation is y, gravity = [0.0, -9.81]. What turns has [body.NAME] acceleration = "
                    "[\"omega^2*x\", 0.0]");
-  if (c.control.kind == Control::Kind::gauge && std::all_of(c.pressures.begin(), c.pressures.end(), is_nothing))
+  if (c.control.kind == Control::Kind::gauge && std::all_of(c.pressures.begin(), c.pressures.end(), is_zero))
     problems.error(place_in(root, "control", "", "kind"), "\"gauge\" scales the pressures of the case, and all are zero: give one a value");
   for (const Body& b : c.bodies)
     if (b.rigid && std::none_of(c.contacts.begin(), c.contacts.end(), [&](const Contact& k) { return k.rigid == b.name; }))

@@ -11,9 +11,6 @@ namespace berm {
 /// load to scale.
 void doubt_case(const Case& c, const Node& root, Problems& problems);
 
-/// No load, motion or velocity; gravity, if there is any.
-bool only_weight_acts(const Case& c);
-
 /// Errors for expressions of time that have no finite value in a stage in which they act.
 void check_functions(const Case& c, const Node& root, Problems& problems);
 

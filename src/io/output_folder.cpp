@@ -11,6 +11,7 @@
 #include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/system_file.hpp"
@@ -106,13 +107,15 @@ void refuse_foreign(const std::filesystem::path& folder) {
 }
 
 void remove_old_results(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> old;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (!is_result(entry.path().filename().string())) continue;
     if (entry.is_directory(error))
       throw InputError(fmt::format("{}: a folder has the name of a result: move it away, or choose another folder with --out", entry.path().string()));
-    std::filesystem::remove(entry.path());
+    old.push_back(entry.path());
   }
+  for (const auto& path : old) std::filesystem::remove(path);
 }
 
 }  // namespace berm

@@ -51,7 +51,7 @@ void keep_order_of_sums() {
 void check_room() {
   constexpr std::size_t needed = std::size_t(160) << 20;
   static bool had = false;  // it keeps what it has taken
-  if (had) return;
+  if (had || !dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) return;
   void* room = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room == MAP_FAILED)
     throw RunError(fmt::format("the linear algebra needs {} MB of addresses for itself, and this process may not have as many: raise its limit (ulimit -v)",
@@ -248,14 +248,13 @@ struct NewtonSolver::Impl {
   }
 };
 
-NewtonSolver::NewtonSolver(const Solver& options, const Comm& comm) : impl_(std::make_unique<Impl>(options, comm)) {
-  comm.agree(check_room);
-}
+NewtonSolver::NewtonSolver(const Solver& options, const Comm& comm) : impl_(std::make_unique<Impl>(options, comm)) {}
 
 NewtonSolver::~NewtonSolver() { impl_->destroy(); }
 
 void NewtonSolver::set_matrix(CsrMatrix& matrix, const SystemLayout& layout, bool symmetric) {
   Impl& m = *impl_;
+  m.comm.agree(check_room);
   m.destroy();
   m.csr = &matrix;
   m.make_matrix(layout);

@@ -79,7 +79,7 @@ class BinLocator : public CellLocator {
 public:
   explicit BinLocator(const Mesh& mesh) : dimension_(mesh.dimension()) {
     for (int c = 0; c < mesh.n_cells(); ++c) {
-      kinds_.push_back(mesh.kinds[c]);
+      kinds_.push_back(linear_kind(mesh.kinds[c]));
       corners_.push_back(corners(mesh, c));
     }
     min_ = max_ = corners_.at(0).x[0];
@@ -103,13 +103,20 @@ public:
     if (hint >= 0 && hint < n_cells() && inside(hint, x, tolerance_)) return hint;
     for (int d = 0; d < dimension_; ++d)
       if (!(x[d] >= min_[d] - tolerance_ && x[d] <= max_[d] + tolerance_)) return -1;
+    return first_with(x, -tolerance_, -1);
+  }
+
+  /// A cell but that one in which x lies, not on an edge of it; -1: none.
+  int other_cell(const Vec3& x, int but) const { return first_with(x, tolerance_, but); }
+
+private:
+  int first_with(const Vec3& x, double margin, int but) const {
     const int bin = (index(2, x.z()) * bins_[1] + index(1, x.y())) * bins_[0] + index(0, x.x());
     for (int k = start_[bin]; k < start_[bin + 1]; ++k)
-      if (inside(candidates_[k], x, -tolerance_)) return candidates_[k];
+      if (candidates_[k] != but && inside(candidates_[k], x, margin)) return candidates_[k];
     return -1;
   }
 
-private:
   int n_cells() const { return static_cast<int>(corners_.size()); }
 
   int index(int d, double x) const {
@@ -303,7 +310,7 @@ std::optional<std::pair<int, int>> overlapping_cells(const Mesh& mesh) {
     const Corners p = corners(mesh, c);
     for (int k = -1; k < p.n; ++k) {
       const Vec3 place = k < 0 ? centre : Vec3(centre + towards_corner * (p.x[k] - centre));
-      if (const int found = locator.locate(place, -1); found >= 0 && found != c) return std::pair(found, c);
+      if (const int found = locator.other_cell(place, c); found >= 0) return std::pair(found, c);
     }
   }
   return std::nullopt;

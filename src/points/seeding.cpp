@@ -259,11 +259,11 @@ SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointS
     const bool solid = region.dimension() == 3;
     Vec3 low = grid.mesh.nodes[0], high = low;
     for (const Vec3& x : grid.mesh.nodes) low = low.cwiseMin(x), high = high.cwiseMax(x);
-    const int d = region.dimension();
-    if (grid.boxes && ((region.min() - low).head(d).array() >= 0.0).all() && ((high - region.max()).head(d).array() >= 0.0).all())
-      throw InputError(fmt::format("body \"{}\" has {} of {:.6g} {}, of which the cells find {:.6g} {}: parts of its surface overlap, and what lies in several of "
-                                   "them counts once. Unite the parts before the export",
-                                   body, solid ? "a volume" : "an area", region.measure(), solid ? "m3" : "m2", sum, solid ? "m3" : "m2"));
+    const double rounding = 1e-9 * (high - low).norm();
+    if (solid && grid.boxes && ((region.min() - low).array() >= -rounding).all() && ((high - region.max()).array() >= -rounding).all())
+      throw InputError(fmt::format("body \"{}\" has a volume of {:.6g} m3, of which the cells find {:.6g} m3: parts of its surface overlap, and what lies in several "
+                                   "of them counts once. Unite the parts",
+                                   body, region.measure(), sum));
     throw InputError(
         fmt::format("body \"{}\" has {} of {:.6g} {}, but only {:.6g} {} lie inside the background grid: make the grid "
                     "larger{}",

@@ -226,6 +226,7 @@ bool ImplicitStep::residual(const std::vector<double>& x, std::vector<double>& r
     r = cached_r_;
     return true;
   }
+  cached_r_.clear();  // belongs to another trial state from here on
   scatter(x);
   {
     const Stopwatch watch(times_.response);

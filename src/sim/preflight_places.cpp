@@ -56,7 +56,8 @@ struct Glue {
 
 /// Sides of gaps turn towards each other: the angle between their normals and the way across is less than 37 degrees.
 bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) {
-  constexpr double facing = 0.8, closed = 1e-6;
+  constexpr double facing = 0.8, closed = 1e-6, opposite = -0.27;
+  if (s.normal.dot(t.normal) > opposite) return false;  // both angles imply it, and places on triangles take long
   const Vec3 way = closest_on_piece(s.X, t) - s.X;  // a gap may be much narrower than pieces are long
   const double length = way.norm();
   return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;

@@ -11,7 +11,6 @@
 
 #include "base/findings.hpp"
 #include "bc/case_lookup.hpp"
-#include "case/doubts.hpp"
 #include "case/places.hpp"
 #include "sim/advice.hpp"
 #include "sim/body_mass.hpp"
@@ -45,6 +44,9 @@ struct Assembly {
   Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   bool carried = false;       ///< something takes weight: whatever holds along it, or a contact that it is drawn to
   std::set<int> let_go;       ///< contacts that it is drawn away from
+  Vec3 least_grip = Vec3::Zero(), most_grip = Vec3::Zero();  ///< components of the ways in which those with friction push
+  /// Between faces that push against each other a body may jam.
+  bool may_jam() const { return ((least_grip.array() < -0.5) && (most_grip.array() > 0.5)).any(); }
   Vec3 centre() const { return 0.5 * (low + high); }
   double size() const { return std::max((high - low).norm(), 1e-300); }
   void hold(Space space, const Vec3& at, const Vec3& direction) {
@@ -185,7 +187,9 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
       a.hold(c.space, hold.at, hold.direction);
       const bool lets_go = hold.contact >= 0 && weight.dot(hold.push) > -beside * weight.norm();
       if (lets_go) a.let_go.insert(hold.contact);
-      else a.carried |= hold.contact >= 0 || std::abs(weight.dot(hold.direction)) > beside * weight.norm();
+      if (lets_go && c.contacts[hold.contact].kind != Contact::Kind::frictionless)
+        a.least_grip = a.least_grip.cwiseMin(hold.push), a.most_grip = a.most_grip.cwiseMax(hold.push);
+      if (!lets_go) a.carried |= hold.contact >= 0 || std::abs(weight.dot(hold.direction)) > beside * weight.norm();
     }
   }
   // Without friction bodies hold each other along the normal alone.
@@ -203,6 +207,7 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
   for (auto& [root, a] : assemblies) {
     w.comm.sum(std::span<double>(a.held.data(), 36));
     a.carried = w.comm.any(a.carried);
+    for (int i = 0; i < 3; ++i) a.least_grip[i] = w.comm.min(a.least_grip[i]), a.most_grip[i] = w.comm.max(a.most_grip[i]);
     const std::vector<int> mine(a.let_go.begin(), a.let_go.end());
     for (const int contact : w.comm.all_gather(mine)) a.let_go.insert(contact);
   }
@@ -390,15 +395,25 @@ namespace {
 
 /// What lies inside a rigid body at the start is pushed out in the first step, by the stiff springs of contact. Collective.
 void warn_of_depth(World& w) {
-  constexpr double told = 1e-4;  // cells
+  constexpr double told = 1e-4, meshed = 0.01;  // cells
   const Case& c = w.spec;
+  const double h = w.discretisation->cell_size();
   const std::vector<BoundaryConditions::Hold> holds = w.boundary->holds(*w.discretisation);
+  const bool some = std::any_of(holds.begin(), holds.end(), [&](const auto& hold) { return hold.contact >= 0 && hold.gap < -told * h; });
+  if (!w.comm.any(some)) return;
+  const std::map<int, Region> regions = regions_of_shapes(c, h);
+  // Chords of a mesh lie inside of an arc: the place of the body's own shape counts.
+  const auto depth = [&](const BoundaryConditions::Hold& hold) {
+    const auto own = regions.find(hold.body), rigid = regions.find(body_index(c, c.contacts[hold.contact].rigid));
+    if (own == regions.end() || rigid == regions.end()) return -hold.gap - meshed * h;
+    return -rigid->second.nearest(own->second.nearest(hold.at).point).distance;
+  };
   for (std::size_t k = 0; k < c.contacts.size(); ++k) {
     double deepest = 0.0;
     for (const auto& hold : holds)
-      if (hold.contact == static_cast<int>(k)) deepest = std::max(deepest, -hold.gap);
+      if (hold.contact == static_cast<int>(k) && hold.gap < -told * h) deepest = std::max(deepest, depth(hold));
     deepest = w.comm.max(deepest);
-    if (deepest <= told * w.discretisation->cell_size()) continue;
+    if (deepest <= told * h) continue;
     w.warnings.push_back(with_places(c, fmt::format("[contact.{}]: the surface of \"{}\" starts up to {:.3g} m inside of rigid body \"{}\", and is pushed out in the first "
                                           "step: let it start where the two touch",
                                                     c.contacts[k].name, c.contacts[k].body, deepest, c.contacts[k].rigid)));
@@ -431,7 +446,7 @@ std::string contacts_apart(const World& w, const std::vector<std::string>& names
 /// Contact can push and not draw: where nothing but the weight acts, it must draw a body to one that carries it.
 void refuse_lost_weight(const World& w, const Assembly& a, const std::vector<std::string>& names) {
   const Case& c = w.spec;
-  if (a.carried || a.let_go.empty() || c.gravity.is_zero() || !only_weight_acts(c)) return;
+  if (a.carried || a.may_jam() || a.let_go.empty() || c.gravity.is_zero() || !only_weight_acts(c)) return;
   std::vector<std::string> contacts;
   for (const int k : a.let_go) contacts.push_back(fmt::format("[contact.{}]", c.contacts[k].name));
   throw InputError(fmt::format("nothing carries the weight of {} {}, near {}: {} can only push, and the weight draws the body away from there or along it. "

@@ -162,7 +162,7 @@ void Recorder::look_at_stress() {
   const double growth = dimension_ == 3 ? 1.33 : 1.1, load = std::abs(row_load_);
   if (!quality_.empty() && load <= growth * quality_.back().load) return;
   const Discretisation& d = *world_.discretisation;
-  quality_.push_back({load, stress_noise(), recover_stress(d, patch_cells(d)).relative_error});
+  quality_.push_back({load, stress_noise(), recover_stress(d, contents_of_cells(d)).relative_error});
 }
 
 RecorderState Recorder::state() const {

@@ -112,10 +112,10 @@ VtuData Recorder::points_data() const {
 VtuData Recorder::mesh_data() const {
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(world_.discretisation.get());
   const auto* fem = dynamic_cast<const FemDiscretisation*>(world_.discretisation.get());
-  const MaterialState& m = world_.discretisation->material;
   const Mesh& mesh = world_.discretisation->mesh();
-  const std::vector<PatchCell> cells = patch_cells(*world_.discretisation);
-  const RecoveredStress recovered = recover_stress(*world_.discretisation, cells);
+  const CellContents contents = contents_of_cells(*world_.discretisation);
+  const std::vector<PatchCell>& cells = contents.cells;
+  const RecoveredStress recovered = recover_stress(*world_.discretisation, contents);
   VtuData data;
   std::vector<double> displacement, nodal, fill, stress, damage;
   std::vector<int> body;
@@ -138,9 +138,9 @@ VtuData Recorder::mesh_data() const {
     double volume = 0.0, sum = 0.0;
     Voigt s = Voigt::Zero();
     for (const int p : cells[k].points) {
-      volume += m.volume[p];
-      sum += m.volume[p] * m.damage[p];
-      s += m.volume[p] * m.stress[p];
+      volume += contents.volume[p];
+      sum += contents.volume[p] * contents.damage[p];
+      s += contents.volume[p] * contents.stress[p];
     }
     if (volume > 0.0) {
       sum /= volume;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "fem/fem.hpp"
@@ -228,20 +229,49 @@ RecoveredStress recover_stress(const Comm& comm, int dimension, int degree, doub
                      : recover<2, 2>(comm, cell_size, cells, points, place);
 }
 
-std::vector<PatchCell> patch_cells(const Discretisation& d) {
+namespace {
+
+/// Points of other processes in cells of this one: F-bar keeps boxes of one mean dilatation together, wherever their middles lie.
+void add_points_of_others(const MpmDiscretisation& mpm, CellContents& out) {
+  constexpr int width = 12;  // cell, place, volume, damage, stress
+  std::unordered_map<int, std::size_t> active;
+  for (std::size_t k = 0; k < mpm.active_cells().size(); ++k) active[mpm.active_cells()[k]] = k;
+  std::vector<double> mine;
+  const std::vector<int>& cell = mpm.cells_of_points();
+  for (std::size_t p = 0; p < cell.size(); ++p) {
+    if (active.contains(cell[p])) continue;
+    mine.insert(mine.end(), {double(cell[p]), out.x[p].x(), out.x[p].y(), out.x[p].z(), out.volume[p], out.damage[p]});
+    mine.insert(mine.end(), out.stress[p].data(), out.stress[p].data() + 6);
+  }
+  const std::vector<double> all = mpm.comm().all_gather(mine);
+  for (std::size_t k = 0; k < all.size(); k += width) {
+    const auto here = active.find(static_cast<int>(all[k]));
+    if (here == active.end()) continue;
+    out.cells[here->second].points.push_back(static_cast<int>(out.x.size()));
+    out.x.emplace_back(all[k + 1], all[k + 2], all[k + 3]);
+    out.volume.push_back(all[k + 4]), out.damage.push_back(all[k + 5]);
+    out.stress.push_back(Eigen::Map<const Voigt>(all.data() + k + 6));
+  }
+}
+
+}  // namespace
+
+CellContents contents_of_cells(const Discretisation& d) {
   const Mesh& mesh = d.mesh();
-  std::vector<PatchCell> out;
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
+  CellContents out{{}, mpm ? mpm->places_in_grid() : d.point_origins(), d.material.volume, d.material.damage, d.material.stress};
   const auto add = [&](int cell, int field, std::vector<int> points) {
     const std::span<const int> nodes = mesh.nodes_of_cell(cell);
-    PatchCell& patch = out.emplace_back(PatchCell{{nodes.begin(), nodes.end()}, std::move(points)});
+    PatchCell& patch = out.cells.emplace_back(PatchCell{{nodes.begin(), nodes.end()}, std::move(points)});
     for (long& node : patch.nodes) node += long{field} * mesh.n_nodes();
   };
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d)) {
+  if (mpm) {
     std::vector<std::vector<int>> points = mpm->points_by_cell();
     for (std::size_t k = 0; k < points.size(); ++k) {
       const int cell = mpm->active_cells()[k];
       add(mpm->grid_cell(cell), cell / mesh.n_cells(), std::move(points[k]));
     }
+    if (d.comm().size() > 1) add_points_of_others(*mpm, out);
     return out;
   }
   const auto& fem = dynamic_cast<const FemDiscretisation&>(d);
@@ -253,14 +283,13 @@ std::vector<PatchCell> patch_cells(const Discretisation& d) {
   return out;
 }
 
-RecoveredStress recover_stress(const Discretisation& d, const std::vector<PatchCell>& cells) {
+RecoveredStress recover_stress(const Discretisation& d, const CellContents& contents) {
   const Mesh& mesh = d.mesh();
   const auto* mpm = dynamic_cast<const MpmDiscretisation*>(&d);
-  const std::vector<Vec3> x = mpm ? mpm->places_in_grid() : d.point_origins();
   const auto is_quadratic = [](CellKind k) { return nodes_of(k) > corners_of(k); };
   const bool quadratic = mpm ? mpm->degree() > 1 : std::any_of(mesh.kinds.begin(), mesh.kinds.end(), is_quadratic);
-  return recover_stress(d.comm(), d.dimension(), quadratic ? 2 : 1, d.cell_size(), cells,
-                        {x, d.material.volume, d.material.stress},
+  return recover_stress(d.comm(), d.dimension(), quadratic ? 2 : 1, d.cell_size(), contents.cells,
+                        {contents.x, contents.volume, contents.stress},
                         [&](long node) { return mesh.nodes[node % mesh.n_nodes()]; });
 }
 

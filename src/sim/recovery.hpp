@@ -15,7 +15,7 @@ namespace berm {
 /// A cell with the points in it. Cells that share a node make up its patch.
 struct PatchCell {
   std::vector<long> nodes;  ///< numbers, the same on all processes
-  std::vector<int> points;  ///< of this process
+  std::vector<int> points;
 };
 
 /// The points, where the cells see them.
@@ -37,11 +37,19 @@ RecoveredStress recover_stress(const Comm& comm, int dimension, int degree, doub
                                const std::vector<PatchCell>& cells, const PointStress& points,
                                const std::function<Vec3(long node)>& place);
 
+/// Cells of this process, and what lies in them: its own points, and after them those that other processes have there.
+struct CellContents {
+  std::vector<PatchCell> cells;
+  std::vector<Vec3> x;
+  std::vector<double> volume, damage;
+  std::vector<Voigt> stress;
+};
+
 /// Active cells of the grid (mpm), in their order, or elements (fem). Nodes have the numbers of the mesh, those of
-/// further fields come after them; bodies of one field share theirs.
-std::vector<PatchCell> patch_cells(const Discretisation& d);
+/// further fields come after them; bodies of one field share theirs. Collective.
+CellContents contents_of_cells(const Discretisation& d);
 
 /// With polynomials of the degree of the displacements, at most 2. Collective.
-RecoveredStress recover_stress(const Discretisation& d, const std::vector<PatchCell>& cells);
+RecoveredStress recover_stress(const Discretisation& d, const CellContents& contents);
 
 }  // namespace berm

@@ -179,6 +179,7 @@ void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> plac
 /// Pins, gauges and probes must lie in a deformable body: in its shape but for a part of a cell, or near its elements.
 void check_places(const World& w, const BuiltBodies& built, Findings& found) {
   constexpr double beside = 0.1;  // cells
+  if (w.spec.pins.empty() && w.spec.output.gauges.empty() && w.spec.output.probes.empty()) return;
   const double reach = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
   std::vector<Region> shapes;
   bool all_have = true;

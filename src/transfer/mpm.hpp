@@ -119,6 +119,8 @@ public:
   int n_patches() const { return patch_nodes_.size(); }
   /// Points that lie in each active cell.
   std::vector<std::vector<int>> points_by_cell() const;
+  /// Layered, of each point. With the mean dilatation of boxes it may be another process's.
+  const std::vector<int>& cells_of_points() const { return layered_; }
 
 private:
   /// What the stabilisation wants to know of an active cell.

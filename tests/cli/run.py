@@ -495,7 +495,16 @@ def tool_that_is_ended():
         why = wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "interrupted")
         if why or status("swept/a") != "stopped" or pathlib.Path("swept/b").exists():
             return f"{number.name}: {why} {status('swept/a')} {files('swept')}"
-    return ""
+    soil = LONG.replace("linear_elastic", "mohr_coulomb") .replace("poisson_ratio = 0.3", "poisson_ratio = 0.3\ncohesion = 1e5\nfriction_angle = 30.0")
+    pathlib.Path("soil.toml").write_text(soil)
+    process = subprocess.Popen([BERM, "factor_of_safety", "soil.toml", "--out", "safe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if not until(lambda: rows("safe/F_1.0000") > 2, process):
+        process.kill()
+        return f"factor_of_safety did not begin: {process.communicate()}"
+    process.terminate()
+    out, errors = process.communicate(timeout=60)
+    why = wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "interrupted")
+    return why or ("" if status("safe/F_1.0000") == "stopped" else "the run of factor_of_safety has not ended in order")
 
 
 def odd_entries():
@@ -506,7 +515,9 @@ def odd_entries():
         return why
     os.remove("out/case/checkpoint.h5") if os.path.exists("out/case/checkpoint.h5") else None
     pathlib.Path("out/case/checkpoint.h5").mkdir()
-    return wrong(berm("run", "case.toml", "--force"), 2, "out/case/checkpoint.h5: a folder has the name of a result")
+    before = files("out/case")
+    why = wrong(berm("run", "case.toml", "--force"), 2, "out/case/checkpoint.h5: a folder has the name of a result")
+    return why or ("" if files("out/case") == before else f"lost: {before}, now {files('out/case')}")
 
 
 def progress():

@@ -25,6 +25,7 @@ ROLLERS = "[boundary.base]\nwhere.box = { max = [9.0, 1e-6] }\nuy = 0.0\n"
 UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").replace("[1.0, 1.0]", "[1.0, 2.0]")
 SEAM = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # the places of 2 and 3 twice
 TWICE = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (2, 0), (2, 1), (0.5, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])
+INSIDE = mesh_22([(0.2, 0), (0.3, 0), (0.3, 0.1), (0.2, 0.1), (0, 0), (2, 0), (2, 1), (0, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # no corner of the large one
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
 AT_REST = PLATE[:PLATE.index("displacement")]
@@ -78,6 +79,7 @@ MODELS = {
     "a stamp that begins inside": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("[-0.1, 1.0]", "[-0.1, 0.999]") + ON_PLATE.replace("KIND", "frictionless") + FEW,
                                    [("contact.c", "warning: starts up to 0.001 m inside of rigid body")]),
     "elements in one another": (FEM + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "twice.msh"\n' + BASE + FEW, [("body.a", "lie in one another")]),
+    "elements in one another, the other way round": (FEM + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "inside.msh"\n' + BASE + FEW, [("body.a", "lie in one another")]),
     "touched in two ways": (GRID + ELASTIC + BLOCK + BASE + PLATE + ON_PLATE.replace("KIND", "tie") + ON_PLATE.replace("KIND", "no_slip").replace("contact.c", "contact.d") + FEW,
                             [("contact.d", "is for the same two bodies already")]),
     "weight along the radius": ('model = { plane = "axisymmetric", gravity = [-9.81, 0.0] }\n' + GRID.replace("[-0.2,", "[0.0,") + ELASTIC + BLOCK + BASE + FEW,
@@ -140,7 +142,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch:
             path = pathlib.Path(scratch) / "case.toml"
             path.write_text(text, encoding="utf-8")
-            for file, mesh in (("seam.msh", SEAM), ("twice.msh", TWICE)):
+            for file, mesh in (("seam.msh", SEAM), ("twice.msh", TWICE), ("inside.msh", INSIDE)):
                 (pathlib.Path(scratch) / file).write_text(mesh, encoding="ascii")
             done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
         said = done.stdout + done.stderr

@@ -75,7 +75,7 @@ Voigt exact_stress(const Vec3& X, bool axisymmetric, const Tube& tube) {
 }
 
 void look_at_recovered(const Discretisation& d, bool axisymmetric, const Tube& tube, Errors& e) {
-  const RecoveredStress recovered = recover_stress(d, patch_cells(d));
+  const RecoveredStress recovered = recover_stress(d, contents_of_cells(d));
   e.estimate = recovered.relative_error;
   double size = 0.0;
   for (const auto& [node, stress] : recovered.node) {
