@@ -121,6 +121,21 @@ MODELS = {
     "plate in a plate's way": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("[-0.1, 1.0]", "[-0.1, 0.5]") + ON_PLATE.replace("KIND", "frictionless") + FEW, [("contact.c", "0.5 m2")]),
 }
 
+WEIGHT = "model.gravity = [0.0, -9.81]\n"
+SIDE = '[body.NAME]\nrigid = true\nshape.box = { min = MIN, max = MAX }\n[contact.NAME]\nbody = "a"\nrigid = "NAME"\nkind = "no_slip"\n'
+# Models with nothing wrong, each near to one above: no word may be said.
+RIGHT = {
+    "jammed between two walls": WEIGHT + GRID + ELASTIC + BLOCK + SIDE.replace("NAME", "l").replace("MIN", "[-0.2, -0.1]").replace("MAX", "[0.0, 1.1]")
+                                + SIDE.replace("NAME", "r").replace("MIN", "[1.0, -0.1]").replace("MAX", "[1.2, 1.1]") + FEW,
+    "a stamp that touches": GRID + ELASTIC + BLOCK + BASE + PLATE + ON_PLATE.replace("KIND", "frictionless") + FEW,
+    "a mesh around a rigid disc": FEM + ELASTIC + '[body.a]\nmaterial = "m"\nshape.difference = [ { box = { min = [0.0, 0.0], max = [1.0, 1.0] } }, { disc = { centre = [0.5, 0.5], radius = 0.2 } } ]\n'
+                                  'mesh = { kind = "triangles", size = 0.05 }\n' + BASE + '[body.r]\nrigid = true\nshape.disc = { centre = [0.5, 0.5], radius = 0.2 }\ndisplacement = [0.0, "-0.001*t"]\n'
+                                  '[contact.c]\nbody = "a"\nrigid = "r"\nkind = "frictionless"\n' + FEW,
+    "a tip on a block": WEIGHT + GRID + ELASTIC + BLOCK + '[body.b]\nmaterial = "m"\nshape.polygon = [[0.5, 1.0], [0.9, 1.5], [0.1, 1.5]]\n' + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE
+                        + '[boundary.guide]\nwhere.box.min = [-9.0, 1.4999]\nux = 0.0\n' + FEW,
+    "a block on a block": WEIGHT + GRID + ELASTIC + BLOCK + UPON + BASE + FEW,
+}
+
 
 def line_of(text, table):
     """Of a table's head; 0: any."""
@@ -160,6 +175,16 @@ def main():
                 missing.append(f"exit code {done.returncode}")
         wrong += bool(missing)
         print(f"{'BAD' if missing else 'ok '} {name}" + (f": missing {missing}; said\n{said.strip()[-1500:]}" if missing else ""), flush=True)
+    for name, text in RIGHT.items():
+        if options.names and name not in options.names:
+            continue
+        with tempfile.TemporaryDirectory() as scratch:
+            path = pathlib.Path(scratch) / "case.toml"
+            path.write_text(text, encoding="utf-8")
+            done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
+        alarm = done.returncode != 0 or "warning" in done.stdout + done.stderr
+        wrong += alarm
+        print(f"{'BAD' if alarm else 'ok '} {name}" + (f": {(done.stdout + done.stderr).strip()[-800:]}" if alarm else ""), flush=True)
     print(f"{wrong} wrong")
     return 1 if wrong else 0
 
