@@ -321,8 +321,8 @@ Mesh with_gmsh(const std::string& subject, const std::function<Mesh()>& work) {
     throw failure(message);
   } catch (const std::bad_alloc&) {
     throw failure("there is no memory for it: its cells are too many, or a count in a file is wrong");
-  } catch (const std::exception& error) {
-    throw failure(error.what());
+  } catch (const std::exception&) {  // in words of C++
+    throw failure("Gmsh cannot read it: a count or a number in a file is wrong");
   }
 }
 

@@ -189,7 +189,11 @@ void check_places(const World& w, const BuiltBodies& built, Findings& found) {
     all_have = all_have && body.shape;
   }
   const auto is_near = [&](const Vec3& x) {
-    if (all_have) return std::any_of(shapes.begin(), shapes.end(), [&](const Region& r) { return r.contains(x) || r.nearest(x).distance <= beside * h; });
+    const auto in_box = [&](const Region& r) {  // the surface is looked for near it only: places may be anywhere
+      const int d = r.dimension();
+      return ((x - r.min()).head(d).array() >= -beside * h).all() && ((r.max() - x).head(d).array() >= -beside * h).all();
+    };
+    if (all_have) return std::any_of(shapes.begin(), shapes.end(), [&](const Region& r) { return in_box(r) && (r.contains(x) || r.nearest(x).distance <= beside * h); });
     return std::any_of(built.places.begin(), built.places.end(), [&](const std::vector<Vec3>& places) {
       return std::any_of(places.begin(), places.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; });
     });

@@ -89,6 +89,7 @@ MODELS = {
     "places beside the body": (GRID + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.02, 0.5]") + GAUGE.replace("NAME", "g").replace("TO", "[1.8, 0.2]")
                                + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
                                [("pin.p", "(1.02, 0.5)"), ("gauge.g", "(1.8, 0.2)"), ("probe.q", "(1.9, 1.9)")]),
+    "a probe beyond all numbers": (GRID + ELASTIC + BLOCK + BASE + PROBE.replace("NAME", "q").replace("AT", "[0.5, 1e300]") + FEW, [("probe.q", "lies outside of every deformable body")]),
     "places beside the body, fem": (FEM + ELASTIC + BLOCK + BASE + PIN.replace("NAME", "p").replace("AT", "[1.7, 1.7]") + PROBE.replace("NAME", "q").replace("AT", "[1.9, 1.9]") + FEW,
                                     [("pin.p", "(1.7, 1.7)"), ("probe.q", "(1.9, 1.9)")]),
     "loads and supports that catch nothing": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "0.93").replace("1.0001", "0.95") + PRESSURE.replace("NAME", "p").replace("MIN", "[1.3, 0.0]").replace("VALUE", "1 MPa")
