@@ -1,9 +1,8 @@
 #include "la/newton.hpp"
 
 #include <dlfcn.h>
-#include <petscsnes.h>
-
 #include <fmt/format.h>
+#include <petscsnes.h>
 #include <sys/mman.h>
 
 #include <algorithm>

@@ -34,7 +34,7 @@ struct Balance {
   double damped = 0.0;                           ///< taken by damping forces since the start [J]
   double transferred = 0.0;                      ///< lost between points and grid since the start [J]   [dynamics (17)]
   double kinetic = 0.0, kinetic_at_start = 0.0;  ///< energy of the motion [J]
-  double contact_work = 0.0;                     ///< taken by contact since the start: heat, and what the penalty keeps [J]
+  double contact_work = 0.0;                     ///< taken by contact and pins since the start: heat, and what springs keep [J]
   double friction_work = 0.0;                    ///< heat of sliding contact, a part of it [J]
 };
 

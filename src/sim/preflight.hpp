@@ -32,7 +32,8 @@ void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
 void tell_seams(World& w, const std::string& body, const Mesh& mesh);
 
 /// Throws InputError if a body can move without any resistance in a quasi-static stage, has fewer points than B-splines need, or
-/// if a dynamic first stage begins with a jump of a support. Collective.
+/// if a dynamic first stage begins with a jump of a support, or if its weight draws it from all that could carry it. Warns of
+/// surfaces that begin inside of rigid bodies. Collective.
 void refuse_free_bodies(World& w);
 
 }  // namespace berm

@@ -135,13 +135,14 @@ std::string gap_text(const Case& c, const MpmDiscretisation& mpm, const Gap& gap
   const SurfacePoint &s = surface[gap.piece], &t = surface[gap.other];
   const std::string &a = c.bodies[s.body].name, &b = c.bodies[t.body].name;
   const std::string where = s.body == t.body ? fmt::format("in body \"{}\"", a) : fmt::format("between bodies \"{}\" and \"{}\"", a, b);
+  return fmt::format("the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m", gap.width, where,
+                     place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm());
+}
+
+std::string remedy_for(const MpmDiscretisation& mpm, const Gap& gap, bool in_one_body) {
   const char* close = gap.width < 0.1 * mpm.cell_size() ? "Close it, let" : "Let";
-  const char* contact = s.body == t.body ? "" : ", give the two a [contact.NAME]";
-  return fmt::format(
-      "the gap of {:.4g} m {} near {} is too narrow for cells of {}: common nodes join its sides over {:.4g} m. {} {} "
-      "whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true",
-      gap.width, where, place_text(c, 0.5 * (s.X + t.X)), cells_text(mpm), (gap.high - gap.low).norm(), close, mpm.degree(),
-      mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), contact);
+  return fmt::format("{} {} whole cell{} lie in it, make the cells smaller than {:.4g} m{}, or allow it by [model] allow_glued = true", close, mpm.degree(),
+                     mpm.degree() == 1 ? "" : "s", gap.width / (mpm.degree() + 1), in_one_body ? "" : ", give the two a [contact.NAME]");
 }
 
 }  // namespace
@@ -186,8 +187,8 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
     const int first = surface[gap.piece].body, second = surface[gap.other].body;
     if (are_joined(w, first, second) && (gap.high - gap.low).norm() <= tip) continue;
     const std::string text = gap_text(w.spec, mpm, gap, surface);
-    if (!w.spec.allow_glued) throw InputError(text);
-    w.warnings.push_back(text.substr(0, std::min(text.find(". Let "), text.find(". Close it"))));
+    if (!w.spec.allow_glued) throw InputError(text + ". " + remedy_for(mpm, gap, first == second));
+    w.warnings.push_back(text);
   }
 }
 

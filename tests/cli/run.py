@@ -274,20 +274,30 @@ def until(condition, process):
     return True
 
 
+def begun(folder, *words):
+    """The program, started, once the run that it makes in the folder has steps behind it."""
+    process = subprocess.Popen([BERM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    if not until(lambda: rows(folder) > 2, process):
+        process.kill()
+        raise RuntimeError(f"{words} did not begin: {process.communicate()}")
+    return process
+
+
+def end_of(process):
+    """As subprocess.run tells it."""
+    out, errors = process.communicate(timeout=60)
+    return subprocess.CompletedProcess(process.args, process.returncode, out, errors)
+
+
 def stopped_by(number, *words):
     pathlib.Path("long.toml").write_text(LONG)
     shutil.rmtree("out", ignore_errors=True)
-    process = subprocess.Popen([BERM, "run", "long.toml", "--quiet", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               start_new_session=True)
-    if not until(lambda: rows("out/long") > 2, process):
-        process.kill()
-        return f"{number.name} {words}: did not begin: {process.communicate()}"
+    process = begun("out/long", "run", "long.toml", "--quiet", *words)
     process.send_signal(number)
-    out, errors = process.communicate(timeout=60)
-    done = subprocess.CompletedProcess([], process.returncode, out, errors)
+    done = end_of(process)
     why = wrong(done, 1, "stopped by a signal", "--restart out/long/checkpoint.h5")
-    if not why and (status("out/long") != "stopped" or len(errors.splitlines()) != 1 or "stopped by a signal" not in pathlib.Path("out/long/log.txt").read_text()):
-        why = f"status {status('out/long')}, said {errors}"
+    if not why and (status("out/long") != "stopped" or len(done.stderr.splitlines()) != 1 or "stopped by a signal" not in pathlib.Path("out/long/log.txt").read_text()):
+        why = f"status {status('out/long')}, said {done.stderr}"
     if not why:
         why = wrong(berm("run", "long.toml", "--restart", "out/long/checkpoint.h5", "--set", "steps.count=4", "--quiet"), 0)
     return why and f"{number.name} {words}: {why}"
@@ -458,13 +468,9 @@ def is_berm(pid):
 def process_that_is_killed():
     """As the system does where memory runs out."""
     pathlib.Path("long.toml").write_text(LONG)
-    process = subprocess.Popen([BERM, "run", "long.toml", "--quiet", "-n", "2", "--oversubscribe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    if not until(lambda: rows("out/long") > 2, process):
-        process.kill()
-        return f"did not begin: {process.communicate()}"
+    process = begun("out/long", "run", "long.toml", "--quiet", "-n", "2", "--oversubscribe")
     os.kill([p for p in children(process.pid) if is_berm(p)][-1], signal.SIGKILL)
-    out, errors = process.communicate(timeout=60)
-    return wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "ended by signal 9 (Killed)", "--restart")
+    return wrong(end_of(process), 1, "ended by signal 9 (Killed)", "--restart")
 
 
 def little_memory():
@@ -486,24 +492,16 @@ def tool_that_is_ended():
     pathlib.Path("sweep.toml").write_text('[variant.a]\ncase = "long.toml"\n[variant.b]\ncase = "long.toml"\n')
     for number in (signal.SIGTERM, signal.SIGHUP):
         shutil.rmtree("swept", ignore_errors=True)
-        process = subprocess.Popen([BERM, "sweep", "sweep.toml", "--out", "swept"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        if not until(lambda: rows("swept/a") > 2, process):
-            process.kill()
-            return f"did not begin: {process.communicate()}"
+        process = begun("swept/a", "sweep", "sweep.toml", "--out", "swept")
         process.send_signal(number)
-        out, errors = process.communicate(timeout=60)
-        why = wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "interrupted")
+        why = wrong(end_of(process), 1, "interrupted")
         if why or status("swept/a") != "stopped" or pathlib.Path("swept/b").exists():
             return f"{number.name}: {why} {status('swept/a')} {files('swept')}"
-    soil = LONG.replace("linear_elastic", "mohr_coulomb") .replace("poisson_ratio = 0.3", "poisson_ratio = 0.3\ncohesion = 1e5\nfriction_angle = 30.0")
+    soil = LONG.replace("linear_elastic", "mohr_coulomb").replace("poisson_ratio = 0.3", "poisson_ratio = 0.3\ncohesion = 1e5\nfriction_angle = 30.0")
     pathlib.Path("soil.toml").write_text(soil)
-    process = subprocess.Popen([BERM, "factor_of_safety", "soil.toml", "--out", "safe"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    if not until(lambda: rows("safe/F_1.0000") > 2, process):
-        process.kill()
-        return f"factor_of_safety did not begin: {process.communicate()}"
+    process = begun("safe/F_1.0000", "factor_of_safety", "soil.toml", "--out", "safe")
     process.terminate()
-    out, errors = process.communicate(timeout=60)
-    why = wrong(subprocess.CompletedProcess([], process.returncode, out, errors), 1, "interrupted")
+    why = wrong(end_of(process), 1, "interrupted")
     return why or ("" if status("safe/F_1.0000") == "stopped" else "the run of factor_of_safety has not ended in order")
 
 
@@ -513,7 +511,7 @@ def odd_entries():
     os.symlink("loop", "out/case/loop")
     if why := wrong(berm("run", "case.toml"), 0):
         return why
-    os.remove("out/case/checkpoint.h5") if os.path.exists("out/case/checkpoint.h5") else None
+    pathlib.Path("out/case/checkpoint.h5").unlink(missing_ok=True)
     pathlib.Path("out/case/checkpoint.h5").mkdir()
     before = files("out/case")
     why = wrong(berm("run", "case.toml", "--force"), 2, "out/case/checkpoint.h5: a folder has the name of a result")
@@ -548,7 +546,10 @@ def main():
         start = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
-            why = test()
+            try:
+                why = test()
+            except RuntimeError as error:  # a run that did not begin
+                why = str(error)
             os.chdir("/")
         failed += bool(why)
         print(f"{test.__name__:28} {time.monotonic() - start:5.1f} s  {'FAILED: ' + why if why else 'as it should'}", flush=True)
