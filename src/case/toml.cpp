@@ -117,6 +117,11 @@ std::string basic_string(const std::string& text) {
   return out + '"';
 }
 
+bool is_whole_number(const std::string& text) {
+  const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
+  return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
+}
+
 std::optional<Node> parse_assignment(const std::string& line) {
   if (dotted_too_deeply(line)) return std::nullopt;
   try {
@@ -156,6 +161,10 @@ Node parse_override(const std::string& text, Problems& problems) {
   std::optional<Node> node;
   if (text.find_first_of("\r\n") == std::string::npos) {
     node = parse_assignment(key + "=" + value);
+    if (!node && is_whole_number(value)) {
+      problems.error(place, fmt::format("{} is no whole number: it begins with 0 or has more than 64 bits", value));
+      return {};
+    }
     if (!node)
       node = parse_assignment(key + "=" +
                               basic_string(value.substr(std::min(value.find_first_not_of(' '), value.size()))));

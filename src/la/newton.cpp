@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <petscsnes.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -59,6 +60,16 @@ void check_room() {
   had = true;
 }
 
+/// Open MPI has no words for too few of them.
+void raise_limit_of_open_files() {
+  constexpr rlim_t needed = 64;  // it takes some 20, the files of a run a dozen
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
+  limit.rlim_cur = std::min(needed, limit.rlim_max);
+  if (limit.rlim_cur < needed || setrlimit(RLIMIT_NOFILE, &limit) != 0)
+    throw RunError(fmt::format("a run opens up to {} files, and this process may not have as many: raise its limit (ulimit -n)", needed));
+}
+
 }  // namespace
 
 void start_petsc(const std::string& options) {
@@ -75,6 +86,7 @@ void start_petsc(const std::string& options) {
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {
+    raise_limit_of_open_files();
     struct sigaction quit {};
     sigaction(SIGQUIT, nullptr, &quit);
     check_petsc(PetscInitializeNoArguments(), "start");

@@ -486,6 +486,14 @@ def little_memory():
     return "" if said and ends[-1][1] == 0 else str(ends)
 
 
+def few_open_files():
+    """Fewer than Open MPI needs: raised where that is allowed, else said."""
+    def limited(soft, hard):
+        return lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    return (wrong(berm("run", "case.toml", "--quiet", preexec_fn=limited(10, 256)), 0)
+            or wrong(berm("run", "case.toml", "--force", preexec_fn=limited(10, 10)), 1, "raise its limit (ulimit -n)"))
+
+
 def tool_that_is_ended():
     """The runs of a sweep end with it."""
     pathlib.Path("long.toml").write_text(LONG)
@@ -530,7 +538,7 @@ def progress():
 
 TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
          signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
-         little_memory, tool_that_is_ended, odd_entries, progress]
+         little_memory, few_open_files, tool_that_is_ended, odd_entries, progress]
 
 
 def main():

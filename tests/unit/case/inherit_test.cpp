@@ -88,6 +88,8 @@ TEST_F(Inherit, overridesComeLast) {
 TEST_F(Inherit, errorsOfOverridesNameThem) {
   EXPECT_EQ(errors(small_case, {"steps.count=3O0"}),
             "override \"steps.count=3O0\": \"count\" in [steps] must be a whole number, not a string");
+  EXPECT_EQ(errors(small_case, {"steps.count=99999999999999999999"}),
+            "override \"steps.count=99999999999999999999\": 99999999999999999999 is no whole number: it begins with 0 or has more than 64 bits");
   EXPECT_EQ(errors(small_case, {"solver.integratoin=impl_ex"}),
             "override \"solver.integratoin=impl_ex\": unknown key \"integratoin\" in [solver] (did you mean "
             "\"integration\"?)");
