@@ -75,17 +75,22 @@ void Pace::add(double seconds, double share) {
   samples_.push_back({seconds, share});
 }
 
-double Pace::left() const {
+double Pace::left_from(std::size_t k) const {
   if (!samples_.empty() && samples_.back().share >= 1.0) return 0.0;
-  if (samples_.size() < 2) return -1.0;
-  const Sample& now = samples_.back();
-  const double middle = 0.5 * (samples_.front().seconds + now.seconds);
-  const auto after = std::upper_bound(samples_.begin(), samples_.end(), middle,
-                                      [](double t, const Sample& s) { return t < s.seconds; });
-  const Sample& then = after == samples_.begin() ? samples_.front() : *std::prev(after);
-  if (now.share <= then.share) return -1.0;
+  if (k >= samples_.size() || samples_.back().share <= samples_[k].share) return -1.0;
+  const Sample &then = samples_[k], &now = samples_.back();
   return (now.seconds - then.seconds) * std::max(0.0, 1.0 - now.share) / (now.share - then.share);
 }
+
+double Pace::left() const {
+  if (samples_.empty()) return -1.0;
+  const double middle = 0.5 * (samples_.front().seconds + samples_.back().seconds);
+  const auto after = std::upper_bound(samples_.begin(), samples_.end(), middle,
+                                      [](double t, const Sample& s) { return t < s.seconds; });
+  return left_from(after == samples_.begin() ? 0 : after - samples_.begin() - 1);
+}
+
+double Pace::left_by_mean() const { return left_from(0); }
 
 Progress::Progress(Log& log, Clock::time_point start) : log_(log), start_(start), told_(start) {}
 
@@ -98,7 +103,8 @@ void Progress::update(const ProgressState& state, Clock::time_point now) {
   const bool renew = log_.interactive() && (!shown_ || now - *shown_ >= std::chrono::milliseconds(200) || milestone);
   if (!milestone && !renew) return;
 
-  const double seconds = pace_.left();
+  // Cracks slow a run for a while: the pace among them is no measure of what comes after, nor that before them.
+  const double seconds = state.may_slow ? std::min(pace_.left(), pace_.left_by_mean()) : pace_.left();
   const std::string left = seconds >= 0.0 ? (state.may_slow && seconds > 0.0 ? "at least " : "") + duration_text(seconds) : std::string("?");
   const std::string line =
       fmt::format("step {:5}  {:5.1f} %  {} left  load {:11.4e} N  iterations {:2}  residual {:.1e}  {:.3g} points/s",

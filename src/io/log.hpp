@@ -71,11 +71,16 @@ public:
   void add(double seconds, double share);
   /// Seconds to the end; negative: not known.
   double left() const;
+  /// By the mean pace from the start.
+  double left_by_mean() const;
 
 private:
   struct Sample {
     double seconds, share;
   };
+  /// By the pace since that sample.
+  double left_from(std::size_t k) const;
+
   std::vector<Sample> samples_;
 };
 

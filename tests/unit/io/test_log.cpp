@@ -102,6 +102,16 @@ TEST(TimeLeft, FollowsThePace) {
   EXPECT_NEAR(pace.left(), 400.0, 10.0);
 }
 
+/// Cracks: a twentieth of the way takes as long as all that was before it, what comes after is quick again.
+TEST(TimeLeft, OfTheMeanPaceForgetsNothing) {
+  Pace pace;
+  double seconds = 0.0;
+  for (double share = 0.0; share < 0.5; share += 1e-3) pace.add(seconds += 0.1, share);
+  for (double share = 0.5; share < 0.55; share += 1e-4) pace.add(seconds += 0.1, share);
+  EXPECT_NEAR(pace.left_by_mean(), 100.0 * 0.45 / 0.55, 1.0);
+  EXPECT_GT(pace.left(), 400.0);
+}
+
 TEST(TimeLeft, IsNotKnownAtFirst) {
   Pace pace;
   EXPECT_LT(pace.left(), 0.0);
