@@ -163,7 +163,10 @@ Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surfa
     if (contact.other.empty()) continue;
     const Pair pair = bodies_of(c, contact);
     spoken_of.insert(pair);
-    if (contact.kind != Contact::Kind::tie) continue;
+    if (contact.kind != Contact::Kind::tie) {
+      if (!pieces.count(pair) && !found.nearly.count(pair)) found.apart.insert(pair);
+      continue;
+    }
     const auto list = pieces.find(pair);
     if (list == pieces.end())
       throw InputError(fmt::format("[contact.{}]: the surfaces of \"{}\" and \"{}\" do not touch, so nothing can be tied: "

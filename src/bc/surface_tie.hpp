@@ -23,6 +23,7 @@ struct Joint {
 struct Neighbours {
   std::vector<Joint> joints;                          ///< that touch and have no contact that lets them part, and all ties
   std::set<std::pair<int, int>> touching;             ///< all that touch, also at a vertex, but for a hundredth of a cell
+  std::set<std::pair<int, int>> apart;                ///< more than a tenth of a cell, and a contact names them
   std::map<std::pair<int, int>, double> nearly;       ///< less than a tenth of a cell apart, and no contact names them [m]
 };
 

@@ -134,19 +134,15 @@ void check_structured(const Scope& scope, std::string_view key, std::string_view
   }
 }
 
-double extent_of(const PlaneShape& shape) {
-  const PlaneRegion region(shape);
-  return (region.max() - region.min()).cwiseAbs().maxCoeff();
-}
-
 /// Also finds what is wrong with a plane shape, and with a surface from a file.
 void check_reach(const Scope& scope, const Body& body) {
   if (!body.shape) return;
   const auto* plane = std::get_if<PlaneShape>(&*body.shape);
   try {
-    // Maps have large coordinates: the size counts. In space it would have to be triangulated first.
-    const double reach = std::min(plane ? extent_of(*plane) : infinity, largest_coordinate(*body.shape));
-    if (reach > 1000.0) scope.warn("shape", fmt::format("[{}] reaches {:.6g} m: did you mean mm?", scope.path, reach));
+    if (plane) PlaneRegion{*plane};  // throws if it is none
+    const SolidBox around = bounds_of(*body.shape);  // maps have large coordinates: the size counts
+    const double size = (around.max - around.min).maxCoeff();
+    if (size > 1000.0) scope.warn("shape", fmt::format("[{}] is {:.6g} m long: did you mean mm?", scope.path, size));
   } catch (const InputError& error) {
     if (plane) return scope.explain("shape", error.what());
     scope.child(*scope.node.find("shape"))->explain("surface", error.what());

@@ -226,8 +226,9 @@ private:
     const PlaneShape* shape = body.shape ? std::get_if<PlaneShape>(&*body.shape) : nullptr;
     if (!shape) return;
     try {
-      const double x = PlaneRegion(*shape).min().x();
-      check_radius(at("body", body.name), "shape", "the shape", x, largest_coordinate(*shape));
+      const PlaneRegion region(*shape);
+      const double scale = region.min().cwiseAbs().cwiseMax(region.max().cwiseAbs()).maxCoeff();
+      check_radius(at("body", body.name), "shape", "the shape", region.min().x(), scale);
     } catch (const InputError&) {  // the table of bodies has told what is wrong with the shape
     }
   }

@@ -234,47 +234,49 @@ std::optional<Shape> shape_of(Scope& scope, bool is_part) {
   return solid_shape(in);
 }
 
-template <class V>
-double largest(const V& x) {
-  return x.cwiseAbs().maxCoeff();
-}
-double reach(const PlaneShape& shape);
-double reach(const SolidShape& shape);
+SolidBox bounds(const PlaneShape& shape);
+SolidBox bounds(const SolidShape& shape);
 
-double reach(const Box& box) { return std::max(largest(box.min), largest(box.max)); }
-double reach(const Disc& disc) { return largest(disc.centre) + disc.radius; }
-double reach(const Polygon& polygon) {
-  double most = 0.0;
-  for (const Vec2& vertex : polygon.vertices) most = std::max(most, largest(vertex));
-  return most;
+SolidBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
+SolidBox both(const SolidBox& a, const SolidBox& b) { return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)}; }
+Vec3 in_space(const Vec2& x, double z = 0.0) { return {x.x(), x.y(), z}; }
+
+SolidBox bounds(const Box& box) { return {in_space(box.min), in_space(box.max)}; }
+SolidBox bounds(const Disc& disc) { return around(in_space(disc.centre), {disc.radius, disc.radius, 0.0}); }
+SolidBox bounds(const Polygon& polygon) {
+  SolidBox all = around(in_space(polygon.vertices.front()), Vec3::Zero());
+  for (const Vec2& vertex : polygon.vertices) all = both(all, around(in_space(vertex), Vec3::Zero()));
+  return all;
 }
-double reach(const SolidBox& box) { return std::max(largest(box.min), largest(box.max)); }
-double reach(const Cylinder& cylinder) {
+SolidBox bounds(const SolidBox& box) { return box; }
+SolidBox bounds(const Cylinder& cylinder) {
   const Vec3 axis = (cylinder.to - cylinder.from).normalized();
   const Vec3 across = cylinder.radius * (1.0 - axis.array().square()).max(0.0).sqrt().matrix();
-  return largest(cylinder.from.cwiseAbs().cwiseMax(cylinder.to.cwiseAbs()) + across);
+  return both(around(cylinder.from, across), around(cylinder.to, across));
 }
-double reach(const Sphere& sphere) { return largest(sphere.centre) + sphere.radius; }
-double reach(const Extrusion& extrusion) {
-  const double flat = std::max(std::abs(extrusion.from), std::abs(extrusion.to));
-  return std::max(flat, reach(Polygon{extrusion.vertices}));
+SolidBox bounds(const Sphere& sphere) { return around(sphere.centre, Vec3::Constant(sphere.radius)); }
+SolidBox bounds(const Extrusion& extrusion) {
+  SolidBox all = bounds(Polygon{extrusion.vertices});
+  all.min.z() = extrusion.from, all.max.z() = extrusion.to;
+  return all;
 }
-double reach(const SurfaceFile& file) {
+SolidBox bounds(const SurfaceFile& file) {
   const TriangleSurface surface = read_stl(file.path);
-  return std::max(largest(low_corner(surface)), largest(high_corner(surface)));
+  return {low_corner(surface), high_corner(surface)};
 }
 template <class C>
 requires std::is_same_v<C, Combination> || std::is_same_v<C, SolidCombination>
-double reach(const C& combination) {
-  double most = 0.0;
-  for (const auto& part : combination.parts) most = std::max(most, reach(part));
-  return most;
+SolidBox bounds(const C& combination) {
+  SolidBox all = bounds(combination.parts.front());
+  if (combination.kind == C::Kind::difference) return all;
+  for (const auto& part : combination.parts) all = both(all, bounds(part));
+  return all;
 }
-double reach(const PlaneShape& shape) {
-  return std::visit([](const auto& form) { return reach(form); }, shape.form);
+SolidBox bounds(const PlaneShape& shape) {
+  return std::visit([](const auto& form) { return bounds(form); }, shape.form);
 }
-double reach(const SolidShape& shape) {
-  return std::visit([](const auto& form) { return reach(form); }, shape.form);
+SolidBox bounds(const SolidShape& shape) {
+  return std::visit([](const auto& form) { return bounds(form); }, shape.form);
 }
 
 }  // namespace
@@ -294,8 +296,8 @@ void read_shape(Scope& scope, Node::Entry& entry, Body& body) {
   if (child) body.shape = shape_of(*child, false);
 }
 
-double largest_coordinate(const Shape& shape) {
-  return std::visit([](const auto& form) { return reach(form); }, shape);
+SolidBox bounds_of(const Shape& shape) {
+  return std::visit([](const auto& form) { return bounds(form); }, shape);
 }
 
 }  // namespace berm

@@ -370,25 +370,17 @@ void warn_of_missing_contacts(World& w) {
                                          bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
 }
 
-/// Small strain and total Lagrangian see bodies where they started: those that are too far apart for nodes in common then
-/// never have any. Collective.
+/// Small strain and total Lagrangian see bodies where they started: those that are apart then never have all the nodes in common on
+/// which they should press, or none.
 void refuse_contacts_out_of_sight(const World& w) {
   const Case& c = w.spec;
   if (moves_through_grid(c)) return;
-  const std::vector<int> field = fields_of_bodies(c);
-  std::set<std::pair<int, int>> meet;
-  for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
-  for (const Contact& contact : c.contacts) {
-    if (contact.other.empty() || contact.kind == Contact::Kind::tie) continue;
-    const auto pair = std::minmax(field[body_index(c, contact.body)], field[body_index(c, contact.other)]);
-    if (w.comm.any(meet.count(pair) > 0)) continue;
-    throw InputError(
-        fmt::format("[contact.{}]: \"{}\" and \"{}\" start so far apart that they share no node of the grid, and with {} "
-                    "the grid sees them where they start: they would pass through each other. Take [model] kinematics = "
-                    "\"finite\" and formulation = \"updated_lagrangian\"",
-                    contact.name, contact.body, contact.other,
-                    c.kinematics == Kinematics::small ? "small strain" : "total Lagrangian"));
-  }
+  for (const Contact& contact : c.contacts)
+    if (!contact.other.empty() && w.neighbours.apart.count(std::minmax(body_index(c, contact.body), body_index(c, contact.other))))
+      throw InputError(
+          fmt::format("[contact.{}]: \"{}\" and \"{}\" start apart, and with {} the grid sees them where they start: they would pass through each other, or "
+                      "press on nodes that are not at their surfaces. Take [model] kinematics = \"finite\" and formulation = \"updated_lagrangian\"",
+                      contact.name, contact.body, contact.other, c.kinematics == Kinematics::small ? "small strain" : "total Lagrangian"));
 }
 
 /// A cell whose softening is nearly vertical (l close to 2 E Gf / ft^2) gives brittle, step-dependent answers.
@@ -464,6 +456,7 @@ void build(World& w) {
     found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
   found.throw_if_any();
   note_thin_parts(w, built.surface);
+  warn_of_soft_bodies(w, built);
   collect_warnings(w);
 }
 

@@ -346,7 +346,7 @@ TEST_F(ReadCase, otherWarnings) {
   text.replace(text.find("max = [1.0"), 10, "max = [1500.0");
   std::string all;
   for (const std::string& warning : read(text).warnings) all += warning + "\n";
-  EXPECT_NE(all.find("reaches 1500 m: did you mean mm?"), std::string::npos) << all;
+  EXPECT_NE(all.find("is 1500 m long: did you mean mm?"), std::string::npos) << all;
   EXPECT_NE(all.find("[material.spare] is not used by any body"), std::string::npos) << all;
   EXPECT_NE(all.find("\"absent.csv\" does not exist"), std::string::npos) << all;
 }
@@ -362,16 +362,18 @@ TEST_F(ReadCase, everySolidFormMayBeTooLarge) {
     return warnings.empty() ? "" : warnings[0];
   };
   for (const char* shape :
-       {"box = { min = [0, 0, -1500], max = [1, 1, 1] }", "sphere = { centre = [0, 0, 1400], radius = 100 }",
-        "cylinder = { from = [0, 0, 0], to = [0, 0, 1], radius = 1500 }",
+       {"box = { min = [0, 0, -1500], max = [1, 1, 0] }", "sphere = { centre = [0, 0, 0], radius = 750 }",
+        "cylinder = { from = [0, 0, 0], to = [0, 0, 1], radius = 750 }",
         "cylinder = { from = [-1500, 0, 0], to = [0, 0, 0], radius = 1 }",
         "extrusion = { polygon = [[0, 0], [1500, 0], [0, 1]], from = 0, to = 1 }",
         "extrusion = { polygon = [[0, 0], [1, 0], [0, 1]], from = 0, to = 1500 }",
-        "union = [{ sphere = { centre = [0, 0, 0], radius = 1 } }, { sphere = { centre = [1499, 0, 0], radius = 1 } }]",
+        "union = [{ sphere = { centre = [0, 0, 0], radius = 1 } }, { sphere = { centre = [1498, 0, 0], radius = 1 } }]",
         "surface = \"far.stl\""}) {
-    EXPECT_NE(first_warning(shape).find("reaches 1500 m: did you mean mm?"), std::string::npos) << shape;
+    EXPECT_NE(first_warning(shape).find("is 1500 m long: did you mean mm?"), std::string::npos) << shape;
   }
-  EXPECT_EQ(first_warning("cylinder = { from = [-950, 0, 0], to = [0, 0, 0], radius = 950 }"), "");
+  EXPECT_EQ(first_warning("cylinder = { from = [-950, 0, 0], to = [0, 0, 0], radius = 475 }"), "");
+  EXPECT_EQ(first_warning("box = { min = [500000, 4600000, 0], max = [500001, 4600001, 1] }"), "");  // on a map
+  EXPECT_EQ(first_warning("difference = [{ sphere = { centre = [0, 0, 0], radius = 1 } }, { box = { min = [0, -1500, -1500], max = [1500, 1500, 1500] } }]"), "");
 }
 
 TEST_F(ReadCase, everyLawOfTheListIsReadable) {

@@ -1,0 +1,44 @@
+/// Bodies too soft for their own weight.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bc/case_lookup.hpp"
+#include "sim/preflight.hpp"
+
+namespace berm {
+namespace {
+
+/// From the lowest to the highest place [m].
+double height_along(const Vec3& up, const std::vector<Vec3>& places) {
+  double low = infinity, high = -infinity;
+  for (const Vec3& x : places) low = std::min(low, up.dot(x)), high = std::max(high, up.dot(x));
+  return places.empty() ? 0.0 : high - low;
+}
+
+}  // namespace
+
+void warn_of_soft_bodies(World& w, const BuiltBodies& built) {
+  constexpr double flat = 0.5;  // strain of what stands on the ground
+  const Case& c = w.spec;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    const double stiffness = stiffness_of(c, static_cast<int>(b));
+    const auto material = std::find_if(c.materials.begin(), c.materials.end(), [&](const Material& m) { return m.name == c.bodies[b].material; });
+    if (material == c.materials.end() || !(stiffness > 0.0)) continue;
+    double worst = 0.0, height = 0.0;
+    for (const Stage& stage : c.stages) {
+      const Vec3 weight = material->density * c.gravity.at(stage.end());
+      if (weight.norm() <= worst) continue;
+      worst = weight.norm();
+      height = height_along(weight / worst, built.places[b]);
+    }
+    if (worst * height > flat * stiffness)
+      w.warnings.push_back(
+          fmt::format("[material.{}]: under its own weight body \"{}\", {:.3g} m high, would be compressed by {:.2g} of its height: its stiffness is {:.3g} Pa. Is "
+                      "its unit right (\"30 GPa\", \"50 MPa\")?",
+                      material->name, c.bodies[b].name, height, worst * height / stiffness, stiffness));
+  }
+}
+
+}  // namespace berm
