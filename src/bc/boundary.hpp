@@ -51,8 +51,12 @@ public:
   /// Prescribed increments of the step from time t0 to t1 (one an unknown, 0 where free).
   std::vector<double> prescribed_increment(double t0, double t1) const;
 
-  /// While a step is guessed, surfaces that press on a rigid body at t_n go along with it, whichever way it moves.
-  void keep_closed(bool keep) { keeps_closed_ = keep; }
+  /// While a step is guessed, surfaces less than that far from a rigid body at t_n go along with it, whichever way it moves, and
+  /// those of deformable bodies with each other where they first meet; 0: none [m].
+  void keep_closed(double gap) {
+    kept_closed_ = gap;
+    grid_contact_.keep_closed(gap);
+  }
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, double t0, double t1, NodalVector& f,
                   BlockAssembler* matrix) const;
@@ -223,7 +227,7 @@ private:
   std::map<int, Region> rigid_regions_;
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
-  bool keeps_closed_ = false;
+  double kept_closed_ = 0.0;
   std::vector<std::string> warnings_;
 
   std::string stage_;

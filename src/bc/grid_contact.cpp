@@ -40,7 +40,7 @@ void GridContact::begin_step(const Discretisation& d) {
 /// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
 /// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together; where they move on to
 /// other nodes it would count twice, there and at those that they leave.
-GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
+GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) const {
   const Vec3& n = t.at->normal;
   const double k = t.contact.stiffness * t.at->area;
   const Vec3 trial = t.carried + k * relative;
@@ -50,7 +50,7 @@ GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) {
   const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.meets ? f.pressure : t.carried.dot(n));
   f.status = t.status;
   if (t.status == Status::undecided)
-    f.status = f.pressure < 0.0 ? Status::open : size <= limit && (limit > 0.0 || (t.meets && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
+    f.status = f.pressure < 0.0 && !(t.meets && t.gap < kept_closed_) ? Status::open : size <= limit && (limit > 0.0 || (t.meets && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
   if (f.status == Status::open) return {};
   const Mat3 nn = n * n.transpose();
   if (f.status == Status::sticks) {

@@ -29,6 +29,8 @@ public:
   void begin_step(const Discretisation& d);
   /// Whether friction acts in the step in which bodies meet; else from the next one on. For the next begin_step.
   void stick_at_once(bool yes) { at_once_ = yes; }
+  /// Bodies that meet count as closed up to that gap, while a step is guessed; 0: none [m].
+  void keep_closed(double gap) { kept_closed_ = gap; }
   /// Whether, on this process, bodies with friction are near each other that did not press each other at t_n.
   bool some_meet() const;
   /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
@@ -68,12 +70,13 @@ private:
     Mat3 stiffness = Mat3::Zero();
   };
   Vec3 carried(const Discretisation& d, const Interface& at) const;
-  static Force force_at(const Touch& t, const Vec3& relative);
+  Force force_at(const Touch& t, const Vec3& relative) const;
 
   std::vector<FieldContact> contacts_;
   std::map<std::pair<std::int64_t, int>, Vec3> carried_;  ///< by node of field a, and field b
   std::vector<Touch> touches_;                            ///< of the step
   bool at_once_ = true;
+  double kept_closed_ = 0.0;
 };
 
 }  // namespace berm

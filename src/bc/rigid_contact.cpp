@@ -135,9 +135,9 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
     return {-k * slip, k * Mat3::Identity(), true, slip};
   }
   // Surfaces that just touch count as closed, so that a body laid on another one is held from the first guess on.
-  const double gap = point.gap + point.normal.dot(relative), touching = 1e-12 * cell_size_;
+  const double gap = point.gap + point.normal.dot(relative), touching = just_touching * cell_size_;
   const Mat3 nn = point.normal * point.normal.transpose(), tangential = Mat3::Identity() - nn;
-  if (gap >= touching && !(keeps_closed_ && point.gap < touching)) {
+  if (gap >= touching && !(point.gap < kept_closed_)) {
     ContactForce open{};
     if (spec.kind == Contact::Kind::friction)  // the shear at t_n works over half of the step, and its spring is let go
       open.heat = 0.5 * k * point.slip.dot(tangential * (point.slip + relative));

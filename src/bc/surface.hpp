@@ -25,6 +25,16 @@ struct SurfacePoint {
 
 Vec3 closest_on_piece(const Vec3& x, const SurfacePoint& s);
 
+/// Calls work with the middle and the ends of a piece.
+template <class Work>
+void look_at_piece(const SurfacePoint& s, Work work) {
+  work(s.X);
+  for (int k = 0; k < s.n_corners; ++k) work(s.corner[k]);
+  if (s.n_corners > 0) return;
+  const Vec3 half = 0.5 * s.size * Vec3(-s.normal.y(), s.normal.x(), 0.0);
+  work(s.X + half), work(s.X - half);
+}
+
 /// Part of a piece that lies inside `where` [-]: the edges of a loaded region seldom are edges of pieces.
 double share_inside(const Where& where, const SurfacePoint& s, int dimension);
 

@@ -32,6 +32,16 @@ bool touch(const SurfacePoint& first, const SurfacePoint& second, double size) {
   return std::abs(apart) <= touching_distance * size && (off - apart * second.normal).norm() <= beside * size;
 }
 
+/// What touches at a vertex is no gap [cells].
+constexpr double in_a_corner = 1e-3;
+
+/// Whether an end of a piece lies on another.
+bool meet_in_a_corner(const SurfacePoint& s, const SurfacePoint& other, double size) {
+  bool found = false;
+  look_at_piece(s, [&](const Vec3& x) { found |= (x - closest_on_piece(x, other)).norm() <= in_a_corner * size; });
+  return found;
+}
+
 /// Regions of bodies that have a shape in the plane, where there is no doubt whether the shapes themselves touch.
 class Shapes {
 public:
@@ -99,7 +109,11 @@ std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const s
     std::set<int> touched;
     bins.for_near(s.X, [&](int k) {
       const SurfacePoint& other = surface[k];
-      if (other.body <= s.body || touched.count(other.body) || !touch(s, other, size)) return;
+      if (other.body <= s.body || touched.count(other.body)) return;
+      if (!touch(s, other, size)) {
+        if (meet_in_a_corner(s, other, size)) nearly[{s.body, other.body}] = 0.0;
+        return;
+      }
       if (shapes.apart(s.X, s.body, other.body) <= closed * size) {
         touched.insert(other.body);
       } else {
@@ -149,10 +163,6 @@ double Joint::area() const {
   return sum;
 }
 
-/// Of the size of a cell, and of the shapes of bodies: that far apart contact holds from the first step on; and what touches at
-/// a vertex is no gap.
-constexpr double still_touching = 0.01, in_a_corner = 1e-3;
-
 Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size) {
   Neighbours found;
   const auto pieces = touching_pieces(c, surface, size, found.nearly);
@@ -178,8 +188,10 @@ Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surfa
     found.touching.insert(pair);
     if (!spoken_of.count(pair)) joints.push_back({pair.first, pair.second, -1, false, list});
   }
-  for (const auto& [pair, apart] : found.nearly)
+  for (const auto& [pair, apart] : found.nearly) {
     if (apart <= still_touching * size) found.touching.insert(pair);
+    if (apart <= in_a_corner * size && !pieces.count(pair) && !spoken_of.count(pair)) found.in_a_corner.insert(pair);
+  }
   std::erase_if(found.nearly, [&](const auto& entry) {
     return entry.second <= in_a_corner * size || pieces.count(entry.first) || spoken_of.count(entry.first);
   });

@@ -19,11 +19,16 @@ struct Joint {
   double area() const;
 };
 
+/// Surfaces that are less far apart count as closed; in the first step of a quasi-static stage those of bodies that are laid down
+/// [cells].
+inline constexpr double just_touching = 1e-12, still_touching = 0.01;
+
 /// Deformable bodies beside each other at the start, by pairs of the case.
 struct Neighbours {
   std::vector<Joint> joints;                          ///< that touch and have no contact that lets them part, and all ties
   std::set<std::pair<int, int>> touching;             ///< all that touch, also at a vertex, but for a hundredth of a cell
   std::set<std::pair<int, int>> apart;                ///< more than a tenth of a cell, and a contact names them
+  std::set<std::pair<int, int>> in_a_corner;          ///< that touch at a corner or an edge only, and no contact names them
   std::map<std::pair<int, int>, double> nearly;       ///< less than a tenth of a cell apart, and no contact names them [m]
 };
 

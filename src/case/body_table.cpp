@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "case/tables.hpp"
+#include "mesh/shape_bounds.hpp"
 
 namespace berm {
 namespace {

@@ -10,8 +10,6 @@ namespace berm {
 KeyInfo shape_info();
 Node shape_schema();
 void read_shape(Scope& scope, Node::Entry& entry, Body& body);
-/// A box that holds the shape, of no height in the plane. Throws InputError if its STL file is wrong.
-SolidBox bounds_of(const Shape& shape);
 
 // material_table.cpp
 std::vector<KeyInfo> material_keys();

@@ -11,6 +11,7 @@
 #include "mesh/box_mesh.hpp"
 #include "mesh/gmsh.hpp"
 #include "mesh/gmsh_model.hpp"
+#include "mesh/shape_bounds.hpp"
 #include "mesh/solid_mesh.hpp"
 
 namespace berm {
@@ -166,6 +167,11 @@ Mesh mesh_shape(const Shape& shape, const BodyMeshOptions& options) {
   if (!(options.size > 0.0)) throw InputError(fmt::format("mesh: size {:g} m (it must be positive)", options.size));
   if (options.order != 1 && options.order != 2)
     throw InputError(fmt::format("mesh: order {} (1 and 2 are possible)", options.order));
+  constexpr double tell_apart = 1e12;  // Gmsh ends the process where its points fall together
+  const SolidBox around = bounds_of(shape);
+  const double farthest = std::max(around.min.cwiseAbs().maxCoeff(), around.max.cwiseAbs().maxCoeff());
+  if (!(farthest < tell_apart * options.size))
+    throw InputError(fmt::format("mesh: the body reaches {:.3g} m from the corner of the grid, or from the origin: no cells of {:g} m there", farthest, options.size));
   if (const PlaneShape* plane = std::get_if<PlaneShape>(&shape)) return mesh_plane_shape(*plane, options);
   return mesh_solid_shape(std::get<SolidShape>(shape), options);
 }

@@ -275,7 +275,8 @@ void ImplicitStep::assemble(const std::vector<double>* prescribed) {
 
 /// First guess from the tangent at t_n: K_ff dx = -r(0) - K_fp du_p. The only linear solve of an IMPL-EX step. What presses
 /// on a rigid body goes along with it: the penetration that carries a load is a small part of a step, and a body that
-/// retreats would leave the whole surface without support.
+/// retreats would leave the whole surface without support. So does, in the first step, what is laid on another body with a gap
+/// that nobody sees.
 bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   const Discretisation& d = *world_.discretisation;
   const std::vector<double> prescribed = prescribed_;
@@ -283,10 +284,11 @@ bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   x.assign(n_mine(), 0.0);
   if (owns_border()) x.back() = world_.load_factor;
   std::vector<double> r, dx;
-  world_.boundary->keep_closed(true);
+  const bool begins = t0_ - world_.present_stage().begin <= small_part * settings_.dt;
+  world_.boundary->keep_closed((begins ? still_touching : just_touching) * d.cell_size());
   const bool fine = residual(x, r);
   if (fine) assemble(&prescribed);
-  world_.boundary->keep_closed(false);
+  world_.boundary->keep_closed(0.0);
   prescribed_ = prescribed;
   cached_r_.clear();
   if (!fine) return false;

@@ -22,6 +22,9 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size);
 /// a warning in its place if the case allows it.
 void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 
+/// Warns of bodies that nothing joins but the functions of the grid where they touch at a corner.
+void warn_of_corners(World& w);
+
 /// Of a world whose first step has begun: the same for bodies that hang on held nodes beside them. Collective.
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 

@@ -192,4 +192,14 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
   }
 }
 
+void warn_of_corners(World& w) {
+  Groups joined(w.spec.bodies.size());
+  for (const Joint& j : w.neighbours.joints) joined.join(j.body, j.other);
+  for (const auto& [a, b] : w.neighbours.in_a_corner)
+    if (w.layers[a] == w.layers[b] && joined.of(a) != joined.of(b))
+      w.warnings.push_back(fmt::format("bodies \"{0}\" and \"{1}\" touch at a corner or an edge only, and the grid joins them there as if over a cell: let them share a "
+                                       "face, or part them by a [contact.NAME] with body = \"{0}\" and other = \"{1}\"",
+                                       w.spec.bodies[a].name, w.spec.bodies[b].name));
+}
+
 }  // namespace berm

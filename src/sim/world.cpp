@@ -290,6 +290,7 @@ void build_mpm(World& w, BuiltBodies& built) {
   w.layers = layers_of_bodies(c, w.neighbours.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
   found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
+  warn_of_corners(w);
   w.discretisation = std::move(mpm);
   add_boundary(w, built, found);
 }

@@ -73,6 +73,10 @@ MODELS = {
                                   + ON_PLATE.replace("KIND", "friction").replace('"a"', '"a"\nfriction = 0.5') + FEW, [("body.a", "the weight draws the body away from there or along it")]),
     "contact across a gap in small strain": ('model.kinematics = "small"\n' + GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[1.0, 0.5]") + UPON.replace("[0.0, 1.0]", "[0.0, 0.55]").replace("[1.0, 2.0]", "[1.0, 1.0]") + SMOOTH + BASE
                                              + TOP.replace("uy", "ux = 0.0\nuy") + FEW, [("contact.c", "start apart, and with small strain")]),
+    "bodies that touch at a corner": (GRID + ELASTIC + BLOCK.replace("[1.0, 1.0]", "[0.5, 0.5]") + UPON.replace("[0.0, 1.0]", "[0.5, 0.5]").replace("[1.0, 2.0]", "[1.0, 1.0]") + BASE + FEW,
+                                      [("body.a", "warning: bodies \"a\" and \"b\" touch at a corner")]),
+    "a disc beyond all cells": ('grid = { origin = [1e300, -0.2], cell_size = 0.1, cells = [24, 24] }\n' + ELASTIC + '[body.a]\nmaterial = "m"\nshape.disc = { centre = [0.5, 0.5], radius = 0.5 }\npoints = { mesh = "triangles", size = 0.1 }\n' + BASE + FEW,
+                                [("body.a", "reaches 1e+300 m")]),
     "a unit forgotten": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC.replace("1e7", "1e4") + BLOCK + BASE + FEW, [("material.m", "warning: [material.m]: under its own weight")]),
     "a joint that the grid does not see": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + FEW, [("body.a", "the gap of 0.002 m between")]),
     "a joint that nothing closes, fem": (FEM + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + TOP.replace("0.9999", "1.9999").replace("1.0001", "2.0001").replace("uy", "ux = 0.0\nuy") + FEW,
