@@ -52,7 +52,7 @@ const CLI::Validator is_given([](const std::string& word) { return word.empty() 
 
 void add_options_of_case(CLI::App* command, Words& w) {
   command->add_option("case", w.file, "case file (TOML); - reads it from standard input")->required();
-  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all()->check(is_given);
+  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all()->allow_extra_args(false)->check(is_given);
   command->add_flag("--allow-petsc-files", w.petsc_files, "let solver.petsc write files and set any option of PETSc");
 }
 
@@ -153,13 +153,16 @@ int check(const Words& w) {
   const berm::Comm comm = berm::Comm::world();
   auto world = berm::build_world(read_case(w), comm);
   berm::refuse_free_bodies(*world);
-  const std::string text = berm::describe(*world);
+  std::string text = berm::describe(*world);
+  for (const std::string& warning : world->warnings) text += "  warning: " + warning + "\n";
   return comm.is_root() ? print_out(text) : exit_done;
 }
 
 std::filesystem::path output_folder(const Words& w) {
   if (!w.out.empty()) return w.out;
-  return std::filesystem::path("out") / (w.file == from_input ? input_name : std::filesystem::path(w.file).stem());
+  const std::filesystem::path name = std::filesystem::path(w.file).stem();
+  if (w.file == from_input) return std::filesystem::path("out") / input_name;
+  return std::filesystem::path("out") / (name == "." || name == ".." ? "case" : name);  // a file "...toml"
 }
 
 int run(const Words& w, const std::vector<std::string>& arguments) {

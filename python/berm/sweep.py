@@ -92,6 +92,11 @@ def run_variant(berm, variant, out, options):
     if result.returncode != 0:
         lines = [line for line in result.stderr.splitlines() if line.strip()]
         return f"exit code {result.returncode}" + (f": {lines[-1]}" if lines else "")
+    return shortcoming(out)
+
+
+def shortcoming(out):
+    """Why the results in a folder are none; "" if they are."""
     try:
         status, reason = (Run(out).summary.get(key, "") for key in ("status", "reason"))
     except ResultError as error:
@@ -127,6 +132,7 @@ def print_table(header, rows):
 
 def sweep(options):
     title, variants = read_sweep(options.sweep)
+    all_names = list(variants)
     if options.only:
         wanted = options.only.split(",")
         missing = [name for name in wanted if name not in variants]
@@ -152,6 +158,10 @@ def sweep(options):
         except BaseException:  # Ctrl-C ends the sweep, not only the variants that are running
             pool.shutdown(cancel_futures=True)
             raise
+    for name in all_names:  # those that were run before stay in the table
+        if name not in runs and os.path.isfile(os.path.join(out, name, "summary.json")) and not shortcoming(os.path.join(out, name)):
+            runs[name] = Run(os.path.join(out, name))
+    runs = {name: runs[name] for name in all_names if name in runs}
     if runs:
         header, rows = metrics_table(runs)
         print()

@@ -236,6 +236,7 @@ private:
   // of the step
   std::vector<char> fixed_;
   std::vector<std::pair<int, int>> local_conditions_;  ///< index into conditions_, local node
+  std::vector<double> reached_;  ///< by boundary: 1 if it has nodes of this process, that another may hold for it
   std::vector<LocalInclined> local_inclined_;
   std::vector<int> moved_by_;  ///< local node -> contact whose rigid body moves it, whatever a boundary says, or -1
   int n_owned_ = 0;

@@ -16,30 +16,42 @@ Vec3 GridContact::carried(const Discretisation& d, const Interface& at) const {
   return found == carried_.end() ? Vec3(Vec3::Zero()) : found->second;
 }
 
-bool GridContact::some_meet() const {
-  return std::any_of(touches_.begin(), touches_.end(), [](const Touch& t) { return t.meets && t.contact.friction > 0.0; });
+bool GridContact::some_at_once() const {
+  return std::any_of(touches_.begin(), touches_.end(), [](const Touch& t) { return t.at_once && t.contact.friction > 0.0; });
 }
 
 void GridContact::begin_step(const Discretisation& d) {
   touches_.clear();
-  // Which pairs of fields pressed each other at t_n. Nodes are numbered field by field.
+  if (contacts_.empty()) return;
+  // Forces at t_n by pair of fields, and those that are still at their nodes. Nodes are numbered field by field.
   const auto n_places = static_cast<std::int64_t>(d.node_places().size());
-  std::set<std::pair<int, int>> pressed;
-  for (const auto& [at, force] : carried_) pressed.emplace(static_cast<int>(at.first / n_places), at.second);
+  std::vector<double> forces(contacts_.size(), 0.0), kept(contacts_.size(), 0.0);
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    for (const auto& [at, force] : carried_)
+      forces[k] += contacts_[k].field_a == static_cast<int>(at.first / n_places) && contacts_[k].field_b == at.second;
+  std::vector<std::size_t> contact_of;
   for (const Interface& at : d.interfaces())
-    for (const FieldContact& c : contacts_) {
+    for (std::size_t k = 0; k < contacts_.size(); ++k) {
+      const FieldContact& c = contacts_[k];
       if (c.field_a != at.field_a || c.field_b != at.field_b || at.normal.isZero(0.0)) continue;
       Touch t{&at, c, carried(d, at), at.gap};
-      t.meets = at_once_ && !pressed.contains({c.field_a, c.field_b});
       // What touched at t_n has no gap: the one seen by the points is only an estimate.
       if (!t.carried.isZero(0.0)) t.gap = 0.0;
+      kept[k] += !t.carried.isZero(0.0);
       touches_.push_back(t);
+      contact_of.push_back(k);
     }
+  d.comm().sum(std::span<double>(kept));
+  for (std::size_t i = 0; i < touches_.size(); ++i) {
+    Touch& t = touches_[i];
+    t.meets = forces[contact_of[i]] == 0.0;
+    t.at_once = at_once_ && (t.meets || (settled_at_once_ && kept[contact_of[i]] == forces[contact_of[i]]));
+  }
 }
 
 /// [contact (5) - (7)]. Bodies that just touch count as closed, so that one that is laid on another is held from the first
-/// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together; where they move on to
-/// other nodes it would count twice, there and at those that they leave.
+/// guess on. What limits friction is the pressure at t_n, or that of now where bodies come together or stay where they are; where
+/// they move on to other nodes it would count twice, there and at those that they leave.
 GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) const {
   const Vec3& n = t.at->normal;
   const double k = t.contact.stiffness * t.at->area;
@@ -47,10 +59,10 @@ GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) c
   Force f;
   f.pressure = trial.dot(n) - k * t.gap;
   f.shear = trial - n * n.dot(trial);
-  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.meets ? f.pressure : t.carried.dot(n));
+  const double size = f.shear.norm(), limit = t.contact.friction * std::max(0.0, t.at_once ? f.pressure : t.carried.dot(n));
   f.status = t.status;
   if (t.status == Status::undecided)
-    f.status = f.pressure < 0.0 && !(t.meets && t.gap < kept_closed_) ? Status::open : size <= limit && (limit > 0.0 || (t.meets && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
+    f.status = f.pressure < 0.0 && !(t.meets && t.gap < kept_closed_) ? Status::open : size <= limit && (limit > 0.0 || (t.at_once && t.contact.friction > 0.0)) ? Status::sticks : Status::slides;
   if (f.status == Status::open) return {};
   const Mat3 nn = n * n.transpose();
   if (f.status == Status::sticks) {

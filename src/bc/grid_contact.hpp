@@ -27,12 +27,13 @@ public:
 
   /// The interfaces of the coming step. Before the four that follow.
   void begin_step(const Discretisation& d);
-  /// Whether friction acts in the step in which bodies meet; else from the next one on. For the next begin_step.
-  void stick_at_once(bool yes) { at_once_ = yes; }
+  /// Friction is limited by the pressure of now where bodies meet and, `in_equilibrium`, where they press the same nodes as at t_n;
+  /// else by that at t_n. For the next begin_step.
+  void limit_at_once(bool yes, bool in_equilibrium) { at_once_ = yes, settled_at_once_ = yes && in_equilibrium; }
   /// Bodies that meet count as closed up to that gap, while a step is guessed; 0: none [m].
   void keep_closed(double gap) { kept_closed_ = gap; }
-  /// Whether, on this process, bodies with friction are near each other that did not press each other at t_n.
-  bool some_meet() const;
+  /// Whether, on this process, friction is limited by the pressure of now anywhere.
+  bool some_at_once() const;
   /// What is open, sticks or slides at du stays so until the next begin_step: Newton's method would go round in circles.
   void freeze(const NodalVector& du);
   /// How far the forces at du are from those of a contact that is not frozen, over the latter [-]. Collective.
@@ -60,6 +61,7 @@ private:
     Vec3 carried;  ///< force of a on b at t_n
     double gap;
     bool meets = false;                 ///< the bodies did not press each other anywhere at t_n
+    bool at_once = false;               ///< friction is limited by the pressure of now
     Status status = Status::undecided;  ///< or frozen
     Vec3 shear = Vec3::Zero();          ///< of a frozen one that slides
   };
@@ -75,7 +77,7 @@ private:
   std::vector<FieldContact> contacts_;
   std::map<std::pair<std::int64_t, int>, Vec3> carried_;  ///< by node of field a, and field b
   std::vector<Touch> touches_;                            ///< of the step
-  bool at_once_ = true;
+  bool at_once_ = true, settled_at_once_ = false;
   double kept_closed_ = 0.0;
 };
 

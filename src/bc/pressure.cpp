@@ -1,4 +1,6 @@
 /// Pressures and tractions on surfaces.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/findings.hpp"
@@ -22,6 +24,10 @@ void BoundaryConditions::read_pressures(const Case& c, const std::vector<Surface
       point.area = -share * s.area * s.normal;
       pressures_.push_back(point);
     }
+    double area = 0.0;
+    for (const auto& [s, share] : parts) area += share * s.area;
+    if (!parts.empty() && !(area > 0.0))
+      warnings_.push_back(fmt::format("[pressure.{}] acts on no area: its places lie on the axis of rotation", spec.name));
   }
   found.throw_if_any();
 }

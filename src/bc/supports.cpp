@@ -93,14 +93,16 @@ void BoundaryConditions::prescribe(int node, const Vec3& at, int component, int 
 
 void BoundaryConditions::find_prescribed(const Discretisation& d) {
   local_conditions_.clear();
+  reached_.assign(case_.boundaries.size(), 0.0);
   std::set<std::pair<int, int>> taken;
   for (std::size_t k = 0; k < conditions_.size(); ++k) {
     const NodeCondition& c = conditions_[k];
     if (!acts(case_.boundaries[c.boundary].stages)) continue;
     for (int field = 0; field < d.n_fields(); ++field) {
       const int node = d.halo.find(c.node + std::int64_t(field) * static_cast<std::int64_t>(d.node_places().size()));
-      if (node >= 0 && taken.insert({node, c.component}).second)
-        local_conditions_.emplace_back(static_cast<int>(k), node);
+      if (node < 0) continue;
+      reached_[c.boundary] = 1.0;
+      if (taken.insert({node, c.component}).second) local_conditions_.emplace_back(static_cast<int>(k), node);
     }
   }
 }
@@ -149,8 +151,7 @@ std::vector<double> BoundaryConditions::prescribed_increment(double t0, double t
 }
 
 std::vector<std::string> BoundaryConditions::idle_boundaries() const {
-  std::vector<double> works(case_.boundaries.size(), 0.0);
-  for (const auto& [k, node] : local_conditions_) works[conditions_[k].boundary] += 1.0;
+  std::vector<double> works = reached_;
   for (const LocalInclined& local : local_inclined_) works[inclined_[local.index].boundary] += 1.0;
   for (const HeldPoint& p : held_) works[p.boundary] += 1.0;
   comm_.sum(works);

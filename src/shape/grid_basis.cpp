@@ -230,7 +230,10 @@ Cover GridBasis::average_box(const Vec3& x, const Vec3& edges, BasisAt& out) con
 }
 
 Cover GridBasis::average_corners(const Vec3& x, const Mat3& edges, int hint, BasisAt& out) const {
-  constexpr double inward = 1.0 - 1e-9;  // corners on a line belong to the cell that the domain lies in
+  // Corners on a line belong to the cell that the domain lies in. A triangle or tetrahedron beyond may touch the body at a vertex
+  // only: a corner a hair's breadth inside would give it nodes that hang on nothing else.
+  const bool simplex = static_cast<int>(nodes_of(hint).size()) == dimension_ + 1;
+  const double inward = simplex ? 1.0 - 1e-3 : 1.0 - 1e-9;
   const int n_corners = 1 << dimension_;
   const auto corner = [&](int c, double size) {
     Vec3 place = x;

@@ -205,7 +205,6 @@ std::string describe(const World& w) {
     line("  cracks            follow the lines of the grid (laws with a crack band): trust their direction only if it stays on a turned grid");
   for (const std::string& note : w.thin_parts) line("  thin              " + note);
   for (const std::string& choice : w.spec.choices) line("  chosen            " + choice);
-  for (const std::string& warning : w.warnings) line("  warning: " + warning);
   return text;
 }
 

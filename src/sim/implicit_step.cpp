@@ -493,7 +493,7 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
 
   StepResult result;
   std::vector<double> x, r;
-  world_.boundary->grid_contact().stick_at_once(true);
+  world_.boundary->grid_contact().limit_at_once(true, !motion_);
   world_.boundary->grid_contact().begin_step(*world_.discretisation);
   if (integration == Integration::implicit && nothing_changes() && residual(std::vector<double>(n_mine(), 0.0), r)) {
     result.residual = norm(r) / std::max(force_scale_, 1e-300);
@@ -529,9 +529,9 @@ StepResult ImplicitStep::attempt(double dt, Integration integration) {
   const double tolerance = relative * scale + s.absolute_tolerance * world_.elastic_scale;
   const std::vector<double> guess = x;
   NewtonResult newton = find_equilibrium(guess, x, tolerance, scale, result);
-  if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && world_.comm.any(contact.some_meet())) {
+  if (GridContact& contact = world_.boundary->grid_contact(); !newton.converged && world_.comm.any(contact.some_at_once())) {
     // Bodies that are laid down may stick, slide and part in turn: without friction for one step, as where they move on.
-    contact.stick_at_once(false);
+    contact.limit_at_once(false, false);
     forget_contact();
     newton = find_equilibrium(guess, x, tolerance, scale, result);
   }

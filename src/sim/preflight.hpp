@@ -31,7 +31,7 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
 /// Notes parts of bodies with so few linear cells through their thickness that they would be too stiff in bending. Collective.
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
 
-/// Warns of bodies that their own weight would press flat: a unit of their law is wrong.
+/// Warns of bodies that their own weight or a pressure would press flat: a unit is wrong.
 void warn_of_soft_bodies(World& w, const BuiltBodies& built);
 
 /// Warns of places where nodes of a body's mesh lie in one another: elements are not joined there.

@@ -1,8 +1,9 @@
-/// Bodies too soft for their own weight.
+/// Bodies too soft for their own weight, or for a pressure.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "bc/case_lookup.hpp"
 #include "sim/preflight.hpp"
@@ -38,6 +39,15 @@ void warn_of_soft_bodies(World& w, const BuiltBodies& built) {
           fmt::format("[material.{}]: under its own weight body \"{}\", {:.3g} m high, would be compressed by {:.2g} of its height: its stiffness is {:.3g} Pa. Is "
                       "its unit right (\"30 GPa\", \"50 MPa\")?",
                       material->name, c.bodies[b].name, height, worst * height / stiffness, stiffness));
+  }
+  for (const Pressure& p : c.pressures) {
+    const double stiffness = stiffness_of(c, body_index(c, p.body));
+    if (p.value.depends_on_place() || !(stiffness > 0.0)) continue;
+    double most = 0.0;
+    for (const Stage& stage : c.stages)
+      if (acts_in(p.stages, stage.name)) most = std::max(most, std::abs(p.value.at(stage.end())));
+    if (most > flat * stiffness)
+      w.warnings.push_back(fmt::format("[pressure.{}]: {:.3g} Pa on a body of a stiffness of {:.3g} Pa: is its unit right?", p.name, most, stiffness));
   }
 }
 

@@ -129,7 +129,7 @@ void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface) {
       w.thin_parts.push_back(fmt::format("body {} is {:.3g} cells thick near {} ({:.4g} m, over {:.4g} m): where it bends, linear functions make it about {:.0f} % too "
                                     "stiff; {:.0f} cells, or quadratic functions, do not",
                                     w.spec.bodies[b].name, thinnest->cells, place_text(w.spec, thinnest->at), thinnest->thickness, length,
-                                    50.0 / std::pow(std::max(thinnest->cells, 1.0), 2), enough_cells));
+                                    50.0 / std::pow(thinnest->cells, 2), enough_cells));
     }
   }
 }

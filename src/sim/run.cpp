@@ -67,6 +67,7 @@ public:
     // For checkpoints; as the files are now, whatever becomes of them during the run.
     world_->file_contents = comm_.broadcast(comm_.is_root() ? contents_of_files(world_->spec.resolved) : std::string());
     log_.info(describe(*world_));
+    for (const std::string& warning : world_->warnings) log_.warning(warning);
     comm_.agree([&] {
       if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);
     });

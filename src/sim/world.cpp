@@ -390,6 +390,7 @@ void collect_warnings(World& w) {
   for (const std::string& name : w.boundary->idle_boundaries())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   for (const std::string& warning : w.boundary->warnings()) w.warnings.push_back(warning);
+  if (w.boundary->n_free() == 0) w.warnings.push_back("every node is held: nothing can move but as the supports say");
   const MaterialState& m = w.discretisation->material;
   for (const Slice& slice : m.slices) {
     double longest = 0.0;
