@@ -28,37 +28,51 @@ BodyParts::Key BodyParts::key_of(const Vec3& x) const {
 }
 
 BodyParts::BodyParts(const std::vector<Vec3>& places, double width) : width_(width) {
-  for (const Vec3& x : places) boxes_.push_back(key_of(x));
-  sort_unique(boxes_);
-  Groups groups(boxes_.size());
-  const auto index = [&](const Key& key) { return std::lower_bound(boxes_.begin(), boxes_.end(), key) - boxes_.begin(); };
-  const int n = static_cast<int>(boxes_.size());
+  std::vector<Key> boxes;
+  for (const Vec3& x : places) boxes.push_back(key_of(x));
+  sort_unique(boxes);
+  Groups groups(boxes.size());
+  const int n = static_cast<int>(boxes.size());
   for (int b = 0; b < n; ++b)
-    around(boxes_[b], [&](const Key& beside) {
-      if (!(beside < boxes_[b])) return;
-      const auto other = index(beside);
-      if (boxes_[other] == beside) groups.join(b, static_cast<int>(other));
+    around(boxes[b], [&](const Key& beside) {
+      if (!(beside < boxes[b])) return;
+      const auto other = std::lower_bound(boxes.begin(), boxes.end(), beside);
+      if (*other == beside) groups.join(b, static_cast<int>(other - boxes.begin()));
     });
+  std::vector<Entry> entries;
+  for (int b = 0; b < n; ++b)
+    entries.push_back({boxes[b], width_ * (Vec3(boxes[b][0], boxes[b][1], boxes[b][2]) + Vec3::Constant(0.5)), groups.of(b)});
+  keep(std::move(entries));
+}
+
+BodyParts::BodyParts(const std::vector<Vec3>& places, const std::vector<int>& group, double width) : width_(width) {
+  std::vector<Entry> entries;
+  for (std::size_t k = 0; k < places.size(); ++k) entries.push_back({key_of(places[k]), places[k], group[k]});
+  keep(std::move(entries));
+}
+
+/// Numbers the parts in the order of their first boxes.
+void BodyParts::keep(std::vector<Entry> entries) {
+  std::stable_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.box < b.box; });
   std::map<int, int> number;
-  for (int b = 0; b < n; ++b) part_.push_back(number.try_emplace(groups.of(b), static_cast<int>(number.size())).first->second);
+  for (Entry& e : entries) e.part = number.try_emplace(e.part, static_cast<int>(number.size())).first->second;
   count_ = std::max<int>(1, static_cast<int>(number.size()));
-  if (count_ == 1) boxes_.clear(), part_.clear();
+  if (count_ > 1) entries_ = std::move(entries);
 }
 
 int BodyParts::of(const Vec3& x) const {
   if (count_ == 1) return 0;
   double nearest = std::numeric_limits<double>::infinity();
   int part = 0;
-  const auto look = [&](std::size_t box) {
-    const Vec3 middle = width_ * (Vec3(boxes_[box][0], boxes_[box][1], boxes_[box][2]) + Vec3::Constant(0.5));
-    if (const double distance = (x - middle).norm(); distance < nearest) nearest = distance, part = part_[box];
+  const auto look = [&](const Entry& e) {
+    if (const double distance = (x - e.at).norm(); distance < nearest) nearest = distance, part = e.part;
   };
   around(key_of(x), [&](const Key& key) {
-    const auto found = std::lower_bound(boxes_.begin(), boxes_.end(), key);
-    if (found != boxes_.end() && *found == key) look(found - boxes_.begin());
+    auto e = std::lower_bound(entries_.begin(), entries_.end(), key, [](const Entry& entry, const Key& k) { return entry.box < k; });
+    for (; e != entries_.end() && e->box == key; ++e) look(*e);
   });
   if (nearest < std::numeric_limits<double>::infinity()) return part;
-  for (std::size_t box = 0; box < boxes_.size(); ++box) look(box);  // nodes of wide functions
+  for (const Entry& e : entries_) look(e);  // nodes of wide functions
   return part;
 }
 

@@ -28,6 +28,9 @@ void warn_of_corners(World& w);
 /// Of a world whose first step has begun: the same for bodies that hang on held nodes beside them. Collective.
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 
+/// Parts of a body whose elements have no place of a node in common; a seam is told, and parts nothing.
+BodyParts parts_of_mesh(const Mesh& mesh);
+
 /// Notes parts of bodies with so few linear cells through their thickness that they would be too stiff in bending. Collective.
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
 

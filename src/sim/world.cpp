@@ -168,12 +168,10 @@ bool in_one_cell(const MpmDiscretisation& mpm, const SurfacePoint& s) {
   return inside.cell == outside.cell;
 }
 
-/// What the checks before a run want to know of a body. `width`: places that are farther apart are not connected.
-void keep(World& w, BuiltBodies& built, std::size_t body, std::vector<Vec3> places, std::vector<double> measures, double width) {
+/// Parts whose points are nowhere next to each other. `width`: the least that parts them.
+BodyParts parts_of_points(const std::vector<Vec3>& places, const std::vector<double>& measures, double width, int dimension) {
   const double mean = std::accumulate(measures.begin(), measures.end(), 0.0) / std::max<std::size_t>(1, measures.size());
-  w.parts[body] = BodyParts(places, (1.0 + 1e-6) * std::max(width, 2.0 * std::pow(mean, 1.0 / w.spec.dimension())));
-  built.places[body] = std::move(places);
-  built.measures[body] = std::move(measures);
+  return {places, (1.0 + 1e-6) * std::max(width, 2.0 * std::pow(mean, 1.0 / dimension))};
 }
 
 /// Pins, gauges and probes must lie in a deformable body: in its shape but for a part of a cell, or near its elements.
@@ -261,7 +259,8 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   }
   summary.points = static_cast<int>(points.x.size());
   w.bodies.push_back(summary);
-  keep(w, built, index, std::move(points.x), std::move(points.measure), std::max(farthest, longest_edge(mpm.grid().mesh)));
+  w.parts[index] = parts_of_points(points.x, points.measure, std::max(farthest, longest_edge(mpm.grid().mesh)), c.dimension());
+  built.places[index] = std::move(points.x), built.measures[index] = std::move(points.measure);
 }
 
 void build_mpm(World& w, BuiltBodies& built) {
@@ -323,7 +322,8 @@ void build_fem(World& w, BuiltBodies& built) {
       summary.measure += measures.back();
       summary.mass += measures.back() * depth(c.space, c.thickness, centres.back().x()) * material.density;
     }
-    keep(w, built, b, std::move(centres), std::move(measures), longest_edge(mesh));
+    w.parts[b] = parts_of_mesh(mesh);
+    built.places[b] = std::move(centres), built.measures[b] = std::move(measures);
     summary.points = fem->points_of_body(index);
     summary.elements = mesh.n_cells();
     add_surface_of_mesh(c, index, mesh, fem->cell_size() / surface_points_per_cell(c), surface);
