@@ -52,7 +52,7 @@ public:
   std::vector<double> prescribed_increment(double t0, double t1) const;
 
   /// While a step is guessed, surfaces less than that far from a rigid body at t_n go along with it, whichever way it moves, and
-  /// those of deformable bodies with each other where they first meet; 0: none [m].
+  /// those of deformable bodies with each other where they first meet; else none_closed [m].
   void keep_closed(double gap) {
     kept_closed_ = gap;
     grid_contact_.keep_closed(gap);
@@ -227,7 +227,7 @@ private:
   std::map<int, Region> rigid_regions_;
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
-  double kept_closed_ = 0.0;
+  double kept_closed_ = none_closed;
   std::vector<std::string> warnings_;
 
   std::string stage_;

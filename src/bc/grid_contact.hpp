@@ -2,6 +2,7 @@
 /// Contact with Coulomb friction between deformable bodies, at the nodes of the grid where their fields meet
 /// (Bardenhagen, Brackbill and Sulsky 2000, here within the implicit residual).   [docs/theory/contact.md]
 
+#include <limits>
 #include <map>
 
 #include "method/discretisation.hpp"
@@ -19,6 +20,9 @@ struct ContactWork {
   double heat = 0.0;   ///< of sliding
 };
 
+/// No gap is as small as this.
+inline constexpr double none_closed = -std::numeric_limits<double>::infinity();
+
 class GridContact {
 public:
   /// Contacts of a stage; forces are kept, unless there is no contact left.
@@ -30,7 +34,7 @@ public:
   /// Friction is limited by the pressure of now where bodies meet and, `in_equilibrium`, where they press the same nodes as at t_n;
   /// else by that at t_n. For the next begin_step.
   void limit_at_once(bool yes, bool in_equilibrium) { at_once_ = yes, settled_at_once_ = yes && in_equilibrium; }
-  /// Bodies that meet count as closed up to that gap, while a step is guessed; 0: none [m].
+  /// Bodies that meet count as closed up to that gap, while a step is guessed; else none_closed [m].
   void keep_closed(double gap) { kept_closed_ = gap; }
   /// Whether, on this process, friction is limited by the pressure of now anywhere.
   bool some_at_once() const;
@@ -78,7 +82,7 @@ private:
   std::map<std::pair<std::int64_t, int>, Vec3> carried_;  ///< by node of field a, and field b
   std::vector<Touch> touches_;                            ///< of the step
   bool at_once_ = true, settled_at_once_ = false;
-  double kept_closed_ = 0.0;
+  double kept_closed_ = none_closed;
 };
 
 }  // namespace berm

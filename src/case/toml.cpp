@@ -161,13 +161,14 @@ Node parse_override(const std::string& text, Problems& problems) {
   std::optional<Node> node;
   if (text.find_first_of("\r\n") == std::string::npos) {
     node = parse_assignment(key + "=" + value);
-    if (!node && is_whole_number(value)) {
-      problems.error(place, fmt::format("{} is no whole number: it begins with 0 or has more than 64 bits", value));
-      return {};
-    }
-    if (!node)
+    if (!node) {
       node = parse_assignment(key + "=" +
                               basic_string(value.substr(std::min(value.find_first_not_of(' '), value.size()))));
+      if (node && is_whole_number(value)) {
+        problems.error(place, fmt::format("{} is no whole number: it begins with 0 or has more than 64 bits", value));
+        return {};
+      }
+    }
   }
   if (!node) {
     problems.error(place, "must be dotted.key=value on one line, with keys of letters, digits, _ and -");

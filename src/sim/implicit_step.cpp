@@ -288,7 +288,7 @@ bool ImplicitStep::linear_predictor(std::vector<double>& x) {
   world_.boundary->keep_closed((begins ? still_touching : just_touching) * d.cell_size());
   const bool fine = residual(x, r);
   if (fine) assemble(&prescribed);
-  world_.boundary->keep_closed(0.0);
+  world_.boundary->keep_closed(none_closed);
   prescribed_ = prescribed;
   cached_r_.clear();
   if (!fine) return false;
