@@ -97,32 +97,35 @@ private:
   std::unordered_map<std::array<long, 3>, std::vector<int>, Hash> bins_;
 };
 
-/// By pair of bodies, the pieces of the first one's surface that touch the second; and how far apart the bodies are where they
-/// only nearly do, or in a corner.
+/// By pair of bodies, the pieces of the first one's surface that touch the second; and, in `found`, how far apart the bodies are
+/// where they only nearly do, and which touch in a corner and nowhere else.
 std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const std::vector<SurfacePoint>& surface,
-                                                          double size, std::map<Pair, double>& nearly) {
+                                                          double size, Neighbours& found) {
   constexpr double closed = 1e-3;
   std::map<Pair, std::vector<SurfacePoint>> pieces;
   Shapes shapes(c, size);
   const PieceBins bins(surface, size);
+  std::set<Pair> corners;
   for (const SurfacePoint& s : surface) {
     std::set<int> touched;
     bins.for_near(s.X, [&](int k) {
       const SurfacePoint& other = surface[k];
       if (other.body <= s.body || touched.count(other.body)) return;
       if (!touch(s, other, size)) {
-        if (meet_in_a_corner(s, other, size)) nearly[{s.body, other.body}] = 0.0;
+        if (meet_in_a_corner(s, other, size)) corners.insert({s.body, other.body});
         return;
       }
       if (shapes.apart(s.X, s.body, other.body) <= closed * size) {
         touched.insert(other.body);
       } else {
-        double& least = nearly.try_emplace({s.body, other.body}, infinity).first->second;
+        double& least = found.nearly.try_emplace({s.body, other.body}, infinity).first->second;
         least = std::min(least, shapes.least_apart(s, other.body));
       }
     });
     for (const int body : touched) pieces[{s.body, body}].push_back(s);
   }
+  for (const Pair& pair : corners)
+    if (!pieces.count(pair) && found.nearly.try_emplace(pair, 0.0).second) found.in_a_corner.insert(pair);
   return pieces;
 }
 
@@ -165,7 +168,7 @@ double Joint::area() const {
 
 Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size) {
   Neighbours found;
-  const auto pieces = touching_pieces(c, surface, size, found.nearly);
+  const auto pieces = touching_pieces(c, surface, size, found);
   std::vector<Joint>& joints = found.joints;
   std::set<Pair> spoken_of;
   for (std::size_t k = 0; k < c.contacts.size(); ++k) {
@@ -188,10 +191,9 @@ Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surfa
     found.touching.insert(pair);
     if (!spoken_of.count(pair)) joints.push_back({pair.first, pair.second, -1, false, list});
   }
-  for (const auto& [pair, apart] : found.nearly) {
+  for (const auto& [pair, apart] : found.nearly)
     if (apart <= still_touching * size) found.touching.insert(pair);
-    if (apart <= in_a_corner * size && !pieces.count(pair) && !spoken_of.count(pair)) found.in_a_corner.insert(pair);
-  }
+  std::erase_if(found.in_a_corner, [&](const Pair& pair) { return spoken_of.count(pair) > 0; });
   std::erase_if(found.nearly, [&](const auto& entry) {
     return entry.second <= in_a_corner * size || pieces.count(entry.first) || spoken_of.count(entry.first);
   });

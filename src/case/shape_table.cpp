@@ -4,12 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "base/error.hpp"
 #include "case/tables.hpp"
 #include "mesh/closed_spline.hpp"
-#include "mesh/surface.hpp"
 
 namespace berm {
 namespace {

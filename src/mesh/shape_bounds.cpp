@@ -1,5 +1,8 @@
 #include "mesh/shape_bounds.hpp"
 
+#include <type_traits>
+
+#include "base/parameter.hpp"
 #include "mesh/surface.hpp"
 
 namespace berm {
@@ -8,6 +11,7 @@ namespace {
 SolidBox bounds(const PlaneShape& shape);
 SolidBox bounds(const SolidShape& shape);
 
+const SolidBox nothing = {Vec3::Constant(infinity), Vec3::Constant(-infinity)};
 SolidBox around(const Vec3& centre, const Vec3& half) { return {centre - half, centre + half}; }
 SolidBox both(const SolidBox& a, const SolidBox& b) { return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)}; }
 Vec3 in_space(const Vec2& x, double z = 0.0) { return {x.x(), x.y(), z}; }
@@ -15,7 +19,7 @@ Vec3 in_space(const Vec2& x, double z = 0.0) { return {x.x(), x.y(), z}; }
 SolidBox bounds(const Box& box) { return {in_space(box.min), in_space(box.max)}; }
 SolidBox bounds(const Disc& disc) { return around(in_space(disc.centre), {disc.radius, disc.radius, 0.0}); }
 SolidBox bounds(const Polygon& polygon) {
-  SolidBox all = around(in_space(polygon.vertices.front()), Vec3::Zero());
+  SolidBox all = nothing;
   for (const Vec2& vertex : polygon.vertices) all = both(all, around(in_space(vertex), Vec3::Zero()));
   return all;
 }
@@ -38,8 +42,8 @@ SolidBox bounds(const SurfaceFile& file) {
 template <class C>
 requires std::is_same_v<C, Combination> || std::is_same_v<C, SolidCombination>
 SolidBox bounds(const C& combination) {
-  SolidBox all = bounds(combination.parts.front());
-  if (combination.kind == C::Kind::difference) return all;
+  if (combination.kind == C::Kind::difference && !combination.parts.empty()) return bounds(combination.parts.front());
+  SolidBox all = nothing;
   for (const auto& part : combination.parts) all = both(all, bounds(part));
   return all;
 }

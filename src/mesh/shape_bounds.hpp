@@ -3,7 +3,7 @@
 
 namespace berm {
 
-/// A box that holds the shape [m], of no height in the plane. Throws InputError if its STL file is wrong.
+/// A box that holds the shape [m], of no height in the plane; from inf to -inf if it is empty. Throws InputError if its STL file is wrong.
 SolidBox bounds_of(const Shape& shape);
 
 }  // namespace berm

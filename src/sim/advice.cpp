@@ -81,7 +81,7 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips)
   std::vector<std::string> rubbing;
   for (const Contact& k : c.contacts)
     if (k.kind == Contact::Kind::friction && acts_in(k.stages, stage.name)) rubbing.push_back("[contact." + k.name + "]");
-  const std::string friction = slips || rubbing.empty() ? "" : fmt::format(" (perhaps the friction of {} cannot hold it)", fmt::join(rubbing, ", "));
+  const std::string friction = slips || rubbing.empty() ? "" : fmt::format(" (perhaps the friction of {} cannot hold it, or it tips)", fmt::join(rubbing, ", "));
   return fmt::format("{}{}: {}", what, friction, fmt::join(ways, ", or "));
 }
 

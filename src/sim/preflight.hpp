@@ -22,6 +22,12 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size);
 /// a warning in its place if the case allows it.
 void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 
+/// Warns of quadrilateral cells that are much longer than wide where a law with a crack band takes one length for both.
+void warn_of_flat_cells(World& w);
+
+/// Warns of deformable bodies that have nothing to do with each other: no joint, no contact.
+void warn_of_strangers(World& w);
+
 /// Warns of bodies that nothing joins but the functions of the grid where they touch at a corner.
 void warn_of_corners(World& w);
 

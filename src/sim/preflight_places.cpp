@@ -192,6 +192,28 @@ void refuse_glued_gaps(World& w, const MpmDiscretisation& mpm, const std::vector
   }
 }
 
+void warn_of_strangers(World& w) {
+  const Case& c = w.spec;
+  const int n = static_cast<int>(c.bodies.size());
+  Groups known(c.bodies.size());  // by joints, contacts, and places in which they touch, which are told
+  for (const Joint& j : w.neighbours.joints) known.join(j.body, j.other);
+  for (const Contact& k : c.contacts)
+    if (!k.other.empty()) known.join(body_index(c, k.body), body_index(c, k.other));
+  for (const auto& [a, b] : w.neighbours.in_a_corner) known.join(a, b);
+  for (const auto& [pair, gap] : w.neighbours.nearly) known.join(pair.first, pair.second);
+  for (int a = 0; a < n; ++a)
+    for (int b = a + 1; b < n; ++b) {
+      if (c.bodies[a].rigid || c.bodies[b].rigid || known.of(a) == known.of(b)) continue;
+      known.join(a, b);
+      const bool moves = c.method == Method::mpm && moves_through_grid(c);
+      w.warnings.push_back(fmt::format("nothing is said of bodies \"{0}\" and \"{1}\": should they come near each other, {2}. If they may, give them a [contact.NAME] with "
+                                       "body = \"{0}\" and other = \"{1}\"{3}",
+                                       c.bodies[a].name, c.bodies[b].name,
+                                       moves && w.layers[a] == w.layers[b] ? "the grid would join them from a cell or two apart" : "they would pass through each other",
+                                       moves ? "" : ", which needs method = \"mpm\", kinematics = \"finite\" and formulation = \"updated_lagrangian\""));
+    }
+}
+
 void warn_of_corners(World& w) {
   Groups joined(w.spec.bodies.size());
   for (const Joint& j : w.neighbours.joints) joined.join(j.body, j.other);

@@ -1,7 +1,9 @@
 /// What the first step begins with: points, jumps of supports, bodies inside of rigid ones.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cmath>
 #include <map>
 
 #include "base/error.hpp"
@@ -87,6 +89,30 @@ void warn_of_depth(World& w) {
                                           "step: let it start where the two touch",
                                                     c.contacts[k].name, c.contacts[k].body, deepest, c.contacts[k].rigid)));
   }
+}
+
+/// The crack-band length of a point is the root of the area (volume) of its cell: cracks along the short edges dissipate too much,
+/// those along the long ones too little, by that over the edge across them (Bazant and Oh 1983: the width of the band).
+void warn_of_flat_cells(World& w) {
+  constexpr double square = 1.25;
+  std::vector<std::string> names;
+  for (const Material& m : w.spec.materials)
+    if (is_damage(m.law) && m.crack_band != Material::CrackBand::fixed) names.push_back(fmt::format("[material.{}]", m.name));
+  if (names.empty()) return;
+  const Mesh& mesh = w.discretisation->mesh();
+  double longest = 0.0, shortest = 0.0, cells = 0.0;
+  for (int e = 0; e < mesh.n_cells(); ++e) {
+    const bool flat = corners_of(mesh.kinds[e]) == 4 && dimension_of(mesh.kinds[e]) == 2;
+    if (!flat && corners_of(mesh.kinds[e]) != 8) continue;
+    const int* node = mesh.cell(e);
+    const auto edge = [&](int k) { return (mesh.nodes[node[k]] - mesh.nodes[node[0]]).norm(); };
+    const double a = edge(1), b = edge(3), c = flat ? a : edge(4);
+    longest += std::max({a, b, c}), shortest += std::min({a, b, c}), cells += 1.0;
+  }
+  if (cells == 0.0 || longest <= square * shortest) return;
+  w.warnings.push_back(fmt::format("{}: cells are {:.3g} x {:.3g} m in the mean, and the crack band takes one length for both: a crack across the long edges dissipates too "
+                                   "much, one along them too little, by up to {:.2g} times. Take square cells, or crack_band = the edge across the crack [m]",
+                                   fmt::join(names, ", "), longest / cells, shortest / cells, std::sqrt(longest / shortest)));
 }
 
 }  // namespace berm

@@ -123,11 +123,14 @@ void Watch::look_last() {
                       seen.jumps, seen.jumps == 1.0 ? "" : "s", worst_jump_));
 }
 
+bool Watch::displacements_were_reset() const {
+  const auto& stages = world_.spec.stages;
+  return std::any_of(stages.begin(), stages.begin() + world_.stage + 1, [](const Stage& s) { return s.reset_displacements; });
+}
+
 void Watch::look_for_penetration() {
   // Where displacements have been set back in small strain, places are no longer known.
-  const auto& stages = world_.spec.stages;
-  const bool lost = world_.spec.kinematics == Kinematics::small &&
-                    std::any_of(stages.begin(), stages.begin() + world_.stage + 1, [](const Stage& s) { return s.reset_displacements; });
+  const bool lost = world_.spec.kinematics == Kinematics::small && displacements_were_reset();
   if (obstacles_.empty() || lost) return;
   constexpr double told = 0.1, most = 1.0;  // cells
   const Discretisation& d = *world_.discretisation;
@@ -217,12 +220,12 @@ void Watch::look_for_large_motion() {
 /// A support on a surface gives way by a 500th of what a cell does [boundaries (14)]. Where it lags behind by more, something else
 /// holds the same place: nodes, another body, a tie. Tractions of a twentieth of Young's modulus are more than a material bears.
 void Watch::look_for_lag() {
-  constexpr double told = 0.1, far = 1e-4;  // of the motion; cells
+  constexpr double told = 0.1, far = 1e-4, rounding = 1e-9;  // of the motion; cells
   const Discretisation& d = *world_.discretisation;
   if (has_told("lag")) return;
   const BoundaryConditions::Lag mine = world_.boundary->worst_lag(world_.time);
   const double missing = world_.comm.max(mine.missing);
-  if (missing == 0.0) return;
+  if (missing <= (displacements_were_reset() ? far : rounding) * d.cell_size()) return;
   double moved = 0.0;
   for (const Vec3& u : d.point_displacements()) moved = std::max(moved, u.norm());
   moved = world_.comm.max(moved);

@@ -59,6 +59,7 @@ private:
   void look_for_large_motion();
   void look_for_smeared_cracks();
   void look_for_lag();
+  bool displacements_were_reset() const;
   void look_for_torn_ties();
   void look_for_idle_bodies() const;
   bool has_told(const char* what) const { return told_.contains(what); }

@@ -390,7 +390,11 @@ void collect_warnings(World& w) {
   for (const std::string& name : w.boundary->idle_boundaries())
     w.warnings.push_back(fmt::format("[boundary.{}] holds nothing at the start: no body touches its nodes", name));
   for (const std::string& warning : w.boundary->warnings()) w.warnings.push_back(warning);
-  if (w.boundary->n_free() == 0) w.warnings.push_back("every node is held: nothing can move but as the supports say");
+  const auto rests = [](const NodeBoundary& b) {
+    return b.un.is_zero() && std::all_of(b.u.begin(), b.u.end(), [](const auto& u) { return !u || u->is_zero(); });
+  };
+  if (w.boundary->n_free() == 0 && std::all_of(w.spec.boundaries.begin(), w.spec.boundaries.end(), rests))
+    w.warnings.push_back("every node is held: nothing can move");
   const MaterialState& m = w.discretisation->material;
   for (const Slice& slice : m.slices) {
     double longest = 0.0;
@@ -459,6 +463,8 @@ void build(World& w) {
   found.throw_if_any();
   note_thin_parts(w, built.surface);
   warn_of_soft_bodies(w, built);
+  warn_of_flat_cells(w);
+  warn_of_strangers(w);
   collect_warnings(w);
 }
 
