@@ -159,7 +159,7 @@ def sweep(options):
             pool.shutdown(cancel_futures=True)
             raise
     for name in all_names:  # those that were run before stay in the table
-        if name not in runs and os.path.isfile(os.path.join(out, name, "summary.json")) and not shortcoming(os.path.join(out, name)):
+        if name not in runs and not shortcoming(os.path.join(out, name)):
             runs[name] = Run(os.path.join(out, name))
     runs = {name: runs[name] for name in all_names if name in runs}
     if runs:

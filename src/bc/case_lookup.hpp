@@ -14,11 +14,16 @@ inline int body_index(const Case& c, const std::string& name) {
   return -1;
 }
 
-/// Stiffness of the body's law [Pa].
+/// Null for a rigid body.
+inline const Material* material_of(const Case& c, int body) {
+  const auto found = std::find_if(c.materials.begin(), c.materials.end(), [&](const Material& m) { return m.name == c.bodies[body].material; });
+  return found == c.materials.end() ? nullptr : &*found;
+}
+
+/// Stiffness of the body's law; 0 for a rigid one [Pa].
 inline double stiffness_of(const Case& c, int body) {
-  for (const Material& m : c.materials)
-    if (m.name == c.bodies[body].material) return std::visit([](const auto& law) { return law.stiffness(); }, m.law);
-  return 0.0;
+  const Material* m = material_of(c, body);
+  return m ? std::visit([](const auto& law) { return law.stiffness(); }, m->law) : 0.0;
 }
 
 inline bool acts_in(const Stages& stages, const std::string& stage) {

@@ -53,8 +53,9 @@ public:
   }
   /// At the middle or an end of a piece, whatever is least.
   double least_apart(const SurfacePoint& s, int other) {
-    const Vec3 half = 0.5 * s.size * Vec3(-s.normal.y(), s.normal.x(), 0.0);
-    return std::min({apart(s.X, s.body, other), apart(s.X + half, s.body, other), apart(s.X - half, s.body, other)});
+    double least = infinity;
+    look_at_piece(s, [&](const Vec3& x) { least = std::min(least, apart(x, s.body, other)); });
+    return least;
   }
 
 private:
@@ -133,15 +134,10 @@ Pair bodies_of(const Case& c, const Contact& contact) {
   return std::minmax({body_index(c, contact.body), body_index(c, contact.other)});
 }
 
-const Material& material_of(const Case& c, int body) {
-  return *std::find_if(c.materials.begin(), c.materials.end(),
-                       [&](const Material& m) { return m.name == c.bodies[body].material; });
-}
-
 /// What flows through the grid mixes and folds: shared nodes see that wherever it happens, a tie only where the bodies
 /// touched at the start.
 bool flows(const Case& c, int body) {
-  const AnyLaw& law = material_of(c, body).law;
+  const AnyLaw& law = material_of(c, body)->law;
   return moves_through_grid(c) &&
          (is_plastic(law) || std::holds_alternative<Newtonian>(law));
 }

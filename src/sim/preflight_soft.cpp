@@ -25,8 +25,8 @@ void warn_of_soft_bodies(World& w, const BuiltBodies& built) {
   const Case& c = w.spec;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     const double stiffness = stiffness_of(c, static_cast<int>(b));
-    const auto material = std::find_if(c.materials.begin(), c.materials.end(), [&](const Material& m) { return m.name == c.bodies[b].material; });
-    if (material == c.materials.end() || !(stiffness > 0.0)) continue;
+    const Material* material = material_of(c, static_cast<int>(b));
+    if (!material || !(stiffness > 0.0)) continue;
     double worst = 0.0, height = 0.0;
     for (const Stage& stage : c.stages) {
       const Vec3 weight = material->density * c.gravity.at(stage.end());

@@ -1,4 +1,4 @@
-/// What the first step begins with: points, jumps of supports, bodies inside of rigid ones.
+/// What the first step begins with: points, jumps of supports, bodies inside of rigid ones, the shape of cells.
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -26,12 +26,6 @@
 namespace berm {
 namespace {
 
-const Material& material_of(const Case& c, const Body& body) {
-  for (const Material& m : c.materials)
-    if (m.name == body.material) return m;
-  throw InputError("body \"" + body.name + "\" has no material");
-}
-
 /// A mesh reduced to the cells of one physical surface or volume.
 Mesh extract_group(const Mesh& mesh, const std::string& group, const std::string& file) {
   if (group.empty()) return mesh;
@@ -228,7 +222,7 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
     w.bodies.push_back(summary);
     return;
   }
-  const Material& material = material_of(c, body);
+  const Material& material = *material_of(c, index);
   const std::size_t first_piece = surface.size();
   SeededPoints points;
   double farthest = 0.0;  // points of a mesh from each other
@@ -309,7 +303,7 @@ void build_fem(World& w, BuiltBodies& built) {
     const Body& body = c.bodies[b];
     const int index = static_cast<int>(b);
     if (body.rigid) continue;
-    const Material& material = material_of(c, body);
+    const Material& material = *material_of(c, index);
     const Mesh mesh = body_mesh(c, body, body.mesh);
     fem->add_body(index, body.name, material, mesh, c.thickness);
     if (!body.mesh_file.empty()) tell_seams(w, body.name, mesh);
