@@ -2,6 +2,7 @@
 
 import argparse
 import codecs
+import errno
 import math
 import os
 import re
@@ -46,7 +47,9 @@ def _last_words(name, error):
     if isinstance(error, KeyboardInterrupt):
         return f"{name}: interrupted"
     if isinstance(error, OSError):
-        return f"error: {error}"
+        where = f"{readable(str(error.filename))}: " if error.filename else ""
+        remedy = ": make room where results are written" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        return f"error: {where}{error.strerror or error}{remedy}"
     text = " ".join(f"{type(error).__name__}: {error}".split())
     return f"{name}: {text} (set BERM_TRACEBACK=1 for where)"
 

@@ -105,6 +105,7 @@ public:
     int contact = -1;          ///< of the case, if it can open
     double gap = 0.0;          ///< of that contact at t_n [m]
     Vec3 push = Vec3::Zero();  ///< the way in which that contact can push the body
+    Vec3 inward = Vec3::Zero(); ///< normal of the body there; along `push` where the two really touch
   };
   /// Whatever holds in this step and stage: supports, pins, rigid bodies. Of this process.
   std::vector<Hold> holds(const Discretisation& d) const;

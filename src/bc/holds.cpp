@@ -40,7 +40,7 @@ std::vector<BoundaryConditions::Hold> BoundaryConditions::holds(const Discretisa
     const Contact& contact = case_.contacts[p.contact];
     if (!acts(contact.stages)) continue;
     Hold hold{p.anchor.body, -1, -1, p.anchor.X, p.normal};
-    if (contact.kind != Contact::Kind::tie) hold.contact = p.contact, hold.gap = p.gap, hold.push = p.normal;
+    if (contact.kind != Contact::Kind::tie) hold.contact = p.contact, hold.gap = p.gap, hold.push = p.normal, hold.inward = p.anchor.inward;
     if (contact.kind == Contact::Kind::frictionless)
       all.push_back(hold);
     else

@@ -1,10 +1,36 @@
-/// Expressions of a case must have a value whenever the run asks for it.
+/// Expressions of a case must have a value whenever the run asks for it, and change no faster than its steps see.
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "case/doubts.hpp"
 
 namespace berm {
 namespace {
+
+/// How far a function goes beyond its values at both ends of a step, at most, and its range over the stage.
+struct Unseen {
+  double beyond = 0.0, time = 0.0, low = infinity, high = -infinity;
+  double share() const { return high > low ? beyond / (high - low) : 0.0; }
+};
+
+Unseen unseen_between(const TimeFunction& f, const Stage& stage, double count) {
+  constexpr double most_looked_at = 5000.0;
+  const double step = stage.steps.duration / count, looks = std::min(count, most_looked_at);
+  Unseen found;
+  for (double k = 0.0; k < looks; k += 1.0) {
+    const double t = stage.begin + step * std::floor(k * count / looks), from = f.at(t), to = f.at(t + step);
+    found.low = std::min({found.low, from, to}), found.high = std::max({found.high, from, to});
+    for (const double part : {0.21, 0.5, 0.83}) {
+      const double value = f.at(t + part * step), beyond = std::max(value - std::max(from, to), std::min(from, to) - value);
+      found.low = std::min(found.low, value), found.high = std::max(found.high, value);
+      if (beyond > found.beyond) found.beyond = beyond, found.time = t + part * step;
+    }
+  }
+  return found;
+}
 
 /// Looks at every stage in which something acts. What depends on the place is looked at in the run, where the places are known.
 class Functions {
@@ -15,18 +41,37 @@ public:
     constexpr int samples = 20;
     if (f.is_number() || f.depends_on_place()) return;
     try {
-      for (const Stage& stage : c_.stages)
-        if (acts_in(stages, stage.name))
-          for (int k = 0; k <= samples; ++k) f.at(stage.begin + k * stage.steps.duration / samples);
+      for (const Stage& stage : c_.stages) {
+        if (!acts_in(stages, stage.name)) continue;
+        for (int k = 0; k <= samples; ++k) f.at(stage.begin + k * stage.steps.duration / samples);
+      }
     } catch (const RunError& error) {
-      problems_.error(place, error.what());
+      return problems_.error(place, error.what());
     }
+    for (const Stage& stage : c_.stages)
+      if (acts_in(stages, stage.name)) tell_unseen(f, stage, place);
   }
   void look(const VectorFunction& f, const Stages& stages, const Place& place) const {
     for (const TimeFunction& component : f.component) look(component, stages, place);
   }
 
 private:
+  void tell_unseen(const TimeFunction& f, const Stage& stage, const Place& place) const {
+    constexpr double told = 0.2, seen = 0.05, most = 1e7;
+    Unseen unseen;
+    double enough = 2.0 * stage.steps.count;
+    try {
+      unseen = unseen_between(f, stage, stage.steps.count);
+      if (unseen.share() <= told) return;
+      while (enough < most && unseen_between(f, stage, enough).share() > seen) enough *= 2.0;
+    } catch (const RunError&) {
+      return;  // between the steps it needs no value
+    }
+    const std::string steps = stage.name.empty() ? "[steps]" : fmt::format("[stage.{}]", stage.name);
+    problems_.warn(place, fmt::format("\"{}\" goes from {:.4g} to {:.4g}, and the steps of {:.3g} s do not see {:.0f} % of it, as at t = {:.6g} s: take {} count = {:.0f} or more",
+                                      f.text(), unseen.low, unseen.high, stage.steps.duration / stage.steps.count, 100.0 * unseen.share(), unseen.time, steps, enough));
+  }
+
   const Case& c_;
   Problems& problems_;
 };

@@ -11,7 +11,7 @@ namespace berm {
 /// load to scale.
 void doubt_case(const Case& c, const Node& root, Problems& problems);
 
-/// Errors for expressions of time that have no finite value in a stage in which they act.
+/// Errors for expressions of time that have no finite value in a stage in which they act; warns of those that swing between the steps.
 void check_functions(const Case& c, const Node& root, Problems& problems);
 
 /// Where a key of [kind.name] stands, else the table, else nowhere.

@@ -60,6 +60,19 @@ void warn_unit(const Scope& scope, const std::string& key, Unit unit, double val
   if (!doubt.empty()) scope.warn(key, doubt);
 }
 
+/// Of a tension or yield that no solid of that stiffness is so weak in, or stronger than.
+template <class L>
+void warn_of_strengths(const Scope& scope, const L& law) {
+  constexpr double weakest = 1e-6, strongest = 1.0;  // parts of the stiffness: those of materials are 1e-5 to 0.1
+  for (const Parameter<L>& p : L::parameters()) {
+    if (!scope.has(p.key) || (p.key != "yield_stress" && p.key != "tensile_strength")) continue;
+    if (!unit_doubt(p.key, p.unit, law.*(p.member)).empty()) continue;  // said already
+    const double ratio = law.*(p.member) / law.stiffness();
+    if (ratio > 0.0 && (ratio < weakest || ratio > strongest))
+      scope.warn(p.key, fmt::format("{} = {:.4g} Pa is {:.2g} of the stiffness of {:.3g} Pa: is its unit right (\"250 MPa\")?", p.key, law.*(p.member), ratio, law.stiffness()));
+  }
+}
+
 template <class L>
 Table<Material> material_table() {
   Table<Material> t = common_table();
@@ -78,6 +91,7 @@ Table<Material> material_table() {
     for (const Parameter<L>& p : L::parameters()) {
       if (s.has(p.key)) warn_unit(s, p.key, p.unit, std::get<L>(m.law).*(p.member));
     }
+    warn_of_strengths(s, std::get<L>(m.law));
     const bool fixed = m.crack_band == Material::CrackBand::fixed;
     const std::string trouble = std::get<L>(m.law).check(fixed ? m.crack_band_length : nanometre);
     if (trouble.empty()) return;

@@ -122,7 +122,8 @@ bool is_whole_number(const std::string& text) {
   return text.size() > sign && text.find_first_not_of("0123456789", sign) == std::string::npos;
 }
 
-std::optional<Node> parse_assignment(const std::string& line) {
+/// Or what is wrong with it.
+std::optional<Node> parse_assignment(const std::string& line, std::string& why) {
   if (dotted_too_deeply(line)) return std::nullopt;
   try {
     const std::string file;
@@ -130,7 +131,8 @@ std::optional<Node> parse_assignment(const std::string& line) {
     Node node = Converter{file, ignored}.convert(toml::parse(line), 0);
     if (!ignored.empty()) return std::nullopt;
     return node;
-  } catch (const toml::parse_error&) {
+  } catch (const toml::parse_error& error) {
+    why = error.description();
     return std::nullopt;
   }
 }
@@ -159,11 +161,16 @@ Node parse_override(const std::string& text, Problems& problems) {
   }
   const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
   std::optional<Node> node;
+  std::string why;
   if (text.find_first_of("\r\n") == std::string::npos) {
-    node = parse_assignment(key + "=" + value);
+    node = parse_assignment(key + "=" + value, why);
     if (!node) {
-      node = parse_assignment(key + "=" +
-                              basic_string(value.substr(std::min(value.find_first_not_of(' '), value.size()))));
+      const std::string word = value.substr(std::min(value.find_first_not_of(' '), value.size()));
+      if (!word.empty() && std::string("[{\"'").find(word[0]) != std::string::npos && parse_assignment(key + "=0", why)) {
+        problems.error(place, fmt::format("not valid TOML: {}", why));
+        return {};
+      }
+      node = parse_assignment(key + "=" + basic_string(word), why);
       if (node && is_whole_number(value)) {
         problems.error(place, fmt::format("{} is no whole number: it begins with 0 or has more than 64 bits", value));
         return {};

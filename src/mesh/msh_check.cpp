@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -81,6 +83,19 @@ private:
     if (line_ != section) fail(fmt::format("{} is expected here (the counts before are wrong)", section));
   }
 
+  /// Three numbers, at least, from there to the end of the line.
+  void coordinates(const char* from) {
+    const char* const end = line_.data() + line_.size();
+    for (int i = 0; i < 3; ++i) {
+      while (from < end && (*from == ' ' || *from == '\t')) ++from;
+      double x = 0.0;
+      const auto [stop, error] = std::from_chars(from + (from < end && *from == '+'), end, x);
+      if (error != std::errc() || !std::isfinite(x) || (stop < end && std::isspace(static_cast<unsigned char>(*stop)) == 0))
+        fail("three coordinates are expected here, numbers with a decimal point");
+      from = stop;
+    }
+  }
+
   void nodes() {
     if (version_ == "2.2") {
       for (long long n = numbers(1)[0]; n > 0; --n) {
@@ -89,13 +104,14 @@ private:
         const auto [stop, error] = std::from_chars(line_.data(), line_.data() + line_.size(), tag);
         if (error != std::errc() || tag < 1 || *stop != ' ') fail("a node's number and coordinates are expected here");
         contents_.add_node(tag);
+        coordinates(stop);
       }
     } else {
       const Numbers head = numbers(4);
       for (long long b = 0; b < head[0]; ++b) {
         const long long n = numbers(4)[3];
         for (long long i = 0; i < n; ++i) contents_.add_node(numbers(1)[0]);
-        for (long long i = 0; i < n; ++i) need_line();
+        for (long long i = 0; i < n; ++i) need_line(), coordinates(line_.data());
       }
       contents_.check_nodes(static_cast<unsigned long long>(head[1]), head[2], head[3]);
     }

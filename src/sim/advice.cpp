@@ -41,8 +41,8 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
     const Stage& stage = c.stages[k];
     const bool first = loss.time > stage.begin && loss.time <= stage.begin + 1.01 * stage.steps.duration / stage.steps.count;
     if (first && loss.largest > jump && !same_act_in(c, c.stages[k - 1].name, stage.name))
-      return fmt::format("most of it went in the first step of stage \"{}\", in which supports or loads were let go at once: what they held goes "
-                         "nowhere in equilibrium. Take loads back with the time t, or let the stage be dynamic",
+      return fmt::format("most of it went in the first step of stage \"{}\", in which supports or loads came or went at once: what they do "
+                         "on the way goes nowhere in equilibrium. Let loads grow and go with the time t, or let the stage be dynamic",
                          stage.name);
   }
   if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic()) {

@@ -118,9 +118,9 @@ std::vector<Held> held_by_boundaries(const World& w) {
   return all;
 }
 
-std::string held_text(const World& w, const Held& held) {
+std::string held_text(const World& w, const Held& held, bool idle) {
   const int d = w.spec.dimension();
-  if (held.nodes + held.surface == 0) return "nothing in the first stage";
+  if (held.nodes + held.surface == 0) return idle ? "nothing in the first stage" : "what another boundary holds";
   std::string along;
   for (int i = 0; i < d; ++i)
     if (held.along[i]) along += fmt::format("{}{}", along.empty() ? "" : ", ", "xyz"[i]);
@@ -190,8 +190,12 @@ std::string describe(const World& w) {
   line(fmt::format("  memory, estimated {:.0f} MB", memory_bytes(w, points, unknowns) / 1e6));
   line("  time, estimated   " + duration_text(run_seconds(w, points, unknowns)) + ", if no step is cut");
   const std::vector<Held> held = held_by_boundaries(w);
+  const std::vector<std::string> idle = w.boundary->idle_boundaries();
+  const auto is_idle = [&](const NodeBoundary& b) {
+    return !acts_in(b.stages, w.spec.stages.front().name) || std::find(idle.begin(), idle.end(), b.name) != idle.end();
+  };
   for (std::size_t b = 0; b < held.size(); ++b)
-    line(fmt::format("  boundary {:<8} holds {}", w.spec.boundaries[b].name, held_text(w, held[b])));
+    line(fmt::format("  boundary {:<8} holds {}", w.spec.boundaries[b].name, held_text(w, held[b], is_idle(w.spec.boundaries[b]))));
   try {
     text += loads_text(w);
   } catch (const RunError& error) {

@@ -34,14 +34,21 @@ void warn_of_corners(World& w);
 /// Of a world whose first step has begun: the same for bodies that hang on held nodes beside them. Collective.
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
 
+/// Warns of boundaries whose nodes are not those on which the surface in their region lies.
+void warn_of_loose_supports(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface);
+
 /// Parts of a body whose elements have no place of a node in common; a seam is told, and parts nothing.
 BodyParts parts_of_mesh(const Mesh& mesh);
 
 /// Notes parts of bodies with so few linear cells through their thickness that they would be too stiff in bending. Collective.
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface);
 
-/// Warns of bodies that their own weight or a pressure would press flat: a unit is wrong.
-void warn_of_soft_bodies(World& w, const BuiltBodies& built);
+/// Warns of what is out of proportion, so that a unit seems wrong: weights and pressures to a stiffness, motions to the bodies. Notes
+/// bodies that are smaller than a cell.
+void warn_of_proportions(World& w, const BuiltBodies& built);
+
+/// Warns of pressures on surfaces along which bodies are joined.
+void warn_of_loaded_joints(World& w, const std::vector<SurfacePoint>& surface);
 
 /// Warns of places where nodes of a body's mesh lie in one another: elements are not joined there.
 void tell_seams(World& w, const std::string& body, const Mesh& mesh);

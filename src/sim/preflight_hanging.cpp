@@ -7,6 +7,8 @@
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
+#include "bc/where.hpp"
+#include "sim/advice.hpp"
 #include "sim/preflight_parts.hpp"
 
 namespace berm {
@@ -66,6 +68,36 @@ double distance_to_held(const MpmDiscretisation& mpm, const Slice& slice, const 
 
 }  // namespace
 
+void warn_of_loose_supports(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
+  constexpr double told = 0.1;
+  const Case& c = w.spec;
+  for (const NodeBoundary& b : c.boundaries) {
+    if (!b.body.empty() || b.where.group) continue;
+    std::vector<double> area(c.bodies.size(), 0.0), loose = area;
+    std::vector<Vec3> at(c.bodies.size(), Vec3::Zero());
+    for (const SurfacePoint& s : surface) {
+      BasisAt shape;
+      if (!inside(b.where, s.X)) continue;
+      const int cell = mpm.grid().locator->locate(s.X - 1e-6 * mpm.cell_size() * s.normal, -1);
+      if (cell < 0 || !mpm.basis().evaluate(cell, s.X, shape)) continue;
+      double missing = 0.0;
+      for (int k = 0; k < shape.n; ++k) {
+        const Vec3& node = mpm.basis().places()[shape.nodes[k]];
+        const Vec3 foot = node + (s.X - node).dot(s.normal) * s.normal;
+        if (!inside(b.where, node) && inside(b.where, foot)) missing += shape.N[k];
+      }
+      if (missing > loose[s.body] / std::max(area[s.body], 1e-300)) at[s.body] = s.X;
+      area[s.body] += s.area, loose[s.body] += s.area * missing;
+    }
+    for (std::size_t body = 0; body < area.size(); ++body)
+      if (loose[body] > told * area[body])
+        w.warnings.push_back(fmt::format("[boundary.{0}] holds nodes of the grid that the surface of body \"{1}\" near {2} does not lie on: {3:.0f} % of its motion there is that of "
+                                         "free nodes{4}. Hold the surface itself (boundary.{0}.body = \"{1}\"), or let lines of cells lie on it",
+                                         b.name, c.bodies[body].name, place_text(c, at[body]), 100.0 * loose[body] / area[body],
+                                         mpm.degree() > 1 ? ", since splines have nodes beside the lines of the cells" : ""));
+  }
+}
+
 void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::vector<SurfacePoint>& surface) {
   const Case& c = w.spec;
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
@@ -104,10 +136,10 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
       const std::string text = fmt::format("[boundary.{}] holds nodes {:.4g} m beside body \"{}\", which does not touch them and would hang on them all "
                                            "the same",
                                            c.boundaries[b].name, nearest[body], c.bodies[body].name);
+      const bool on_surface = std::any_of(surface.begin(), surface.end(), [&, body = body](const SurfacePoint& s) { return s.body == body && inside(c.boundaries[b].where, s.X); });
+      const std::string hold = on_surface ? fmt::format(" hold its surface by [boundary.{}] body = \"{}\",", c.boundaries[b].name, c.bodies[body].name) : "";
       if (!c.allow_glued)
-        throw InputError(fmt::format("{}. Move the body to them, hold its surface by [boundary.{}] body = \"{}\", keep them a cell away from "
-                                     "it, or allow it by [model] allow_glued = true",
-                                     text, c.boundaries[b].name, c.bodies[body].name));
+        throw InputError(fmt::format("{}. Move the body to them,{} keep them a cell away from it, or allow it by [model] allow_glued = true", text, hold));
       w.warnings.push_back(text);
     }
   }

@@ -214,6 +214,30 @@ void warn_of_strangers(World& w) {
     }
 }
 
+void warn_of_loaded_joints(World& w, const std::vector<SurfacePoint>& surface) {
+  constexpr double some = 0.01, opposite = -0.7;
+  const Case& c = w.spec;
+  const double touching = 0.1 * w.discretisation->cell_size();
+  for (const Pressure& p : c.pressures) {
+    const int body = body_index(c, p.body);
+    for (const Joint& j : w.neighbours.joints) {
+      if (j.body != body && j.other != body) continue;
+      const auto is_joined = [&](const SurfacePoint& s) {  // the pieces of a joint are those of its first body
+        return std::any_of(j.pieces.begin(), j.pieces.end(), [&](const SurfacePoint& t) {
+          return j.body == body ? t.X == s.X : t.normal.dot(s.normal) < opposite && (closest_on_piece(s.X, t) - s.X).norm() <= touching;
+        });
+      };
+      double area = 0.0, joined = 0.0;
+      for (const auto& [s, share] : without_strips(caught_surface("pressure." + p.name, p.where, body, p.body, surface, c.dimension())))
+        area += share * s.area, joined += is_joined(s) ? share * s.area : 0.0;
+      if (joined <= some * area) continue;
+      w.warnings.push_back(fmt::format("[pressure.{}]: {:.3g} of its {:.3g} m2 are where body \"{}\" is joined to \"{}\": it presses on the first alone, and what joins them "
+                                       "takes it. Let where catch the free surface only, or part the two by a [contact.NAME]",
+                                       p.name, joined, area, p.body, c.bodies[j.body == body ? j.other : j.body].name));
+    }
+  }
+}
+
 void warn_of_corners(World& w) {
   Groups joined(w.spec.bodies.size());
   for (const Joint& j : w.neighbours.joints) joined.join(j.body, j.other);

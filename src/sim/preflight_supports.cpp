@@ -31,10 +31,31 @@ Motion motion_along(Space space, const Vec3& direction, const Vec3& arm) {
   return m;
 }
 
+using Hold6 = Eigen::Matrix<double, 6, 6>;
+constexpr double nothing = 1e-10;  ///< of the largest eigenvalue of what holds
+
+/// Of the displacements that are held, and of all motions.
+std::array<long, 2> ranks(const Hold6& held) {
+  const auto rank = [](const Eigen::MatrixXd& sum) {
+    const Eigen::ArrayXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sum, Eigen::EigenvaluesOnly).eigenvalues().array();
+    return static_cast<long>((values > nothing * std::max(values.maxCoeff(), 1e-300)).count());
+  };
+  return {rank(held.topLeftCorner<3, 3>()), rank(held)};
+}
+
+/// What a smooth contact holds, by the normals of both sides. Next to the place where a body touches, and a hundredth of a cell counts
+/// as touching, the two differ, and one of them may turn from place to place: a beam slides on a roller all the same, and a
+/// disc on a floor. What slides along either side is free but for that.
+struct SmoothContact {
+  Hold6 by_rigid = Hold6::Zero(), by_body = Hold6::Zero();
+  const Hold6& weaker() const { return ranks(by_body) < ranks(by_rigid) ? by_body : by_rigid; }
+};
+
 /// An assembly of bodies that move together, and what holds it.
 struct Assembly {
   Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
+  Hold6 held = Hold6::Zero(), held_truly = Hold6::Zero();  ///< as the normals of rigid bodies say, and by the weaker side of each smooth contact
+  std::map<int, SmoothContact> smooth;  ///< with rigid bodies, by contact of the case
   bool carried = false;       ///< something takes weight: whatever holds along it, or a contact that it is drawn to
   std::set<int> let_go;       ///< contacts that it is drawn away from
   Vec3 least_grip = Vec3::Zero(), most_grip = Vec3::Zero();  ///< components of the ways in which those with friction push
@@ -42,21 +63,20 @@ struct Assembly {
   bool may_jam() const { return ((least_grip.array() < -0.5) && (most_grip.array() > 0.5)).any(); }
   Vec3 centre() const { return 0.5 * (low + high); }
   double size() const { return std::max((high - low).norm(), 1e-300); }
-  void hold(Space space, const Vec3& at, const Vec3& direction) {
+  void hold(Space space, const Vec3& at, const Vec3& direction, Hold6& sum) const {
     const Motion m = motion_along(space, direction, (at - centre()) / size());
-    held += m * m.transpose();
+    sum += m * m.transpose();
   }
 };
 
 /// What the assembly can do freely, in words; empty: nothing.
-std::string free_motion(const Case& c, const Assembly& a) {
+std::string free_motion(const Case& c, const Assembly& a, const Hold6& by) {
   const Space space = c.space;
-  constexpr double nothing = 1e-10;
   const std::vector<int> motions = motions_of(space);
   const int n = static_cast<int>(motions.size());
   Eigen::MatrixXd held(n, n);
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) held(i, j) = a.held(motions[i], motions[j]);
+    for (int j = 0; j < n; ++j) held(i, j) = by(motions[i], motions[j]);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(held);
   Eigen::MatrixXd free(n, 0);
   for (int k = 0; k < n; ++k)
@@ -163,7 +183,12 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
       if (!share[b].empty() && share[b][hold.node] > 0.0) held.insert(groups.of(pieces.at(static_cast<int>(b), hold.at)));
     for (const int root : held) {
       Assembly& a = assemblies[root];
-      a.hold(c.space, hold.at, hold.direction);
+      if (hold.contact >= 0 && c.contacts[hold.contact].kind == Contact::Kind::frictionless) {
+        SmoothContact& smooth = a.smooth[hold.contact];
+        a.hold(c.space, hold.at, hold.push, smooth.by_rigid), a.hold(c.space, hold.at, hold.inward, smooth.by_body);
+      } else {
+        a.hold(c.space, hold.at, hold.direction, a.held);
+      }
       const bool lets_go = hold.contact >= 0 && weight.dot(hold.push) > -beside * weight.norm();
       if (lets_go) a.let_go.insert(hold.contact);
       if (lets_go && c.contacts[hold.contact].kind != Contact::Kind::frictionless)
@@ -179,12 +204,19 @@ std::map<int, Assembly> hold_assemblies(const World& w, const std::string& stage
       if (std::minmax(w.layers[first], w.layers[second]) != std::minmax(at.field_a, at.field_b)) continue;
       for (const int body : {first, second}) {
         Assembly& a = assemblies[groups.of(pieces.at(body, d.nodes[at.a]))];
-        a.hold(c.space, d.nodes[at.a], at.normal);
+        a.hold(c.space, d.nodes[at.a], at.normal, a.held);
         a.carried = true;
       }
     }
   for (auto& [root, a] : assemblies) {
     w.comm.sum(std::span<double>(a.held.data(), 36));
+    a.held_truly = a.held;
+    for (std::size_t k = 0; k < c.contacts.size(); ++k) {
+      if (c.contacts[k].kind != Contact::Kind::frictionless || c.contacts[k].rigid.empty()) continue;
+      SmoothContact& smooth = a.smooth[static_cast<int>(k)];
+      for (Hold6* sum : {&smooth.by_rigid, &smooth.by_body}) w.comm.sum(std::span<double>(sum->data(), 36));
+      a.held += smooth.by_rigid, a.held_truly += smooth.weaker();
+    }
     a.carried = w.comm.any(a.carried);
     for (int i = 0; i < 3; ++i) a.least_grip[i] = w.comm.min(a.least_grip[i]), a.most_grip[i] = w.comm.max(a.most_grip[i]);
     const std::vector<int> mine(a.let_go.begin(), a.let_go.end());
@@ -244,15 +276,20 @@ void refuse_lost_weight(const World& w, const Assembly& a, const std::vector<std
 }
 
 /// In the stage that the boundary conditions are in.
-void look_for_free_bodies(const World& w, const std::string& stage, Findings& found) {
+void look_for_free_bodies(World& w, const std::string& stage, Findings& found) {
   const Case& c = w.spec;
   const std::vector<std::vector<double>> share = shares_of_nodes(w);
   const Pieces pieces(w);
   Groups groups = find_assemblies(w, stage, share, pieces);
   for (const auto& [root, assembly] : hold_assemblies(w, stage, share, groups, pieces)) {
     if (!(assembly.low.x() <= assembly.high.x())) continue;  // without a node of its own
-    const std::string motion = free_motion(c, assembly);
+    const std::string motion = free_motion(c, assembly, assembly.held);
     if (motion.empty()) {
+      const std::string slips = free_motion(c, assembly, assembly.held_truly);
+      if (!slips.empty())
+        w.warnings.push_back(with_places(c, fmt::format("body {}, near {}, can {} on what it touches without friction: only the slope of the surfaces beside the places that touch "
+                                                        "resists. Hold it in one place ([pin.NAME], [boundary.NAME]), or give a contact friction",
+                                                        fmt::join(names_of(w, groups, pieces, root), ", "), place_text(c, assembly.centre()), slips)));
       if (is_first(w, stage)) found.look([&] { refuse_lost_weight(w, assembly, names_of(w, groups, pieces, root)); });
       continue;
     }

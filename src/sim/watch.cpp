@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "sim/advice.hpp"
+#include "sim/meeting.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -107,6 +108,7 @@ void Watch::look(const ImplicitStep& step, int n_steps) {
 
 void Watch::look_now_and_then() {
   look_for_overlap();
+  look_for_meetings();
   look_for_swelling();
   look_for_large_motion();
   look_for_smeared_cracks();
@@ -178,6 +180,19 @@ void Watch::look_for_overlap() {
   tell_once("overlap", fmt::format("bodies \"{}\" and \"{}\" lie in one another at time {:.6g}: a cell at {} holds {:.2g} times as much as it has room for{}",
                     bodies[found->body_a].name, bodies[found->body_b].name, world_.time, place_text(world_.spec, found->where), found->fill,
                     advice_on_overlap(world_.spec)));
+}
+
+/// Functions of the grid join what lies in one cell or in two beside each other.
+void Watch::look_for_meetings() {
+  if (has_told("meeting")) return;
+  const auto found = find_meeting(world_);
+  if (!found) return;
+  const std::string &a = world_.spec.bodies[found->body_a].name, &b = world_.spec.bodies[found->body_b].name;
+  const std::string who = a == b ? fmt::format("two sides of body \"{}\"", a) : fmt::format("bodies \"{}\" and \"{}\"", a, b);
+  tell_once("meeting", fmt::format("{} have come {:.3g} m closer near {}, time {:.6g}, and the grid joins them there: from a cell or two apart on they push and draw each "
+                                   "other. {} have a [contact.NAME], or smaller cells while they stay apart",
+                                   who, found->closer, place_text(world_.spec, found->where), world_.time,
+                                   a == b ? "Sides that may meet must be two bodies that" : "Bodies that may meet must"));
 }
 
 /// Dilatancy does not end by itself.

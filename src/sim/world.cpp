@@ -172,7 +172,7 @@ BodyParts parts_of_points(const std::vector<Vec3>& places, const std::vector<dou
 void check_places(const World& w, const BuiltBodies& built, Findings& found) {
   constexpr double beside = 0.1;  // cells
   if (w.spec.pins.empty() && w.spec.output.gauges.empty() && w.spec.output.probes.empty()) return;
-  const double reach = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
+  const double edge = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
   std::vector<Region> shapes;
   bool all_have = true;
   for (const Body& body : w.spec.bodies) {
@@ -186,9 +186,11 @@ void check_places(const World& w, const BuiltBodies& built, Findings& found) {
       return ((x - r.min()).head(d).array() >= -beside * h).all() && ((r.max() - x).head(d).array() >= -beside * h).all();
     };
     if (all_have) return std::any_of(shapes.begin(), shapes.end(), [&](const Region& r) { return in_box(r) && (r.contains(x) || r.nearest(x).distance <= beside * h); });
-    return std::any_of(built.places.begin(), built.places.end(), [&](const std::vector<Vec3>& places) {
-      return std::any_of(places.begin(), places.end(), [&](const Vec3& p) { return (p - x).norm() <= reach; });
-    });
+    if (std::any_of(built.surface.begin(), built.surface.end(), [&](const SurfacePoint& s) { return (closest_on_piece(x, s) - x).norm() <= beside * h; })) return true;
+    for (std::size_t b = 0; b < built.places.size(); ++b)
+      for (std::size_t p = 0; p < built.places[b].size(); ++p)
+        if ((built.places[b][p] - x).norm() <= std::max(edge, std::pow(built.measures[b][p], 1.0 / w.spec.dimension()))) return true;
+    return false;
   };
   const auto check = [&](const char* kind, const std::string& name, const Vec3& x) {
     found.look([&] {
@@ -452,11 +454,13 @@ void build(World& w) {
   w.discretisation->start_motion([&](int body, const Vec3& X) { return w.spec.bodies[body].velocity.at(0.0, X); });
   Findings found;
   found.look([&] { refuse_contacts_out_of_sight(w); });
-  if (const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get()))
-    found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
+  const auto* mpm = dynamic_cast<const MpmDiscretisation*>(w.discretisation.get());
+  if (mpm) found.look([&] { refuse_hanging_bodies(w, *mpm, built.surface); });
   found.throw_if_any();
+  if (mpm) warn_of_loose_supports(w, *mpm, built.surface);
   note_thin_parts(w, built.surface);
-  warn_of_soft_bodies(w, built);
+  warn_of_proportions(w, built);
+  warn_of_loaded_joints(w, built.surface);
   warn_of_flat_cells(w);
   warn_of_strangers(w);
   collect_warnings(w);

@@ -100,6 +100,8 @@ public:
   const Grid& grid() const { return grid_; }
   /// Of the shape functions that see a place in a cell of the grid, without layers.
   std::span<const int> nodes_of(int grid_cell) const { return basis_.nodes_of(grid_cell); }
+  /// Without layers.
+  const GridBasis& basis() const { return basis_; }
   /// Of the shape functions.
   int degree() const { return basis_.degree(); }
   /// Where the grid sees the points: where they are, total Lagrangian where they started.

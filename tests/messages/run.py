@@ -51,6 +51,11 @@ PULLED = ('[pressure.p]\nbody = "a"\nwhere.box.min = [0.999, -9.0]\nvalue = 2e6\
           'ux = 0.0\nstages = ["second"]\n[stage.first]\ncount = 5\n[stage.second]\ncount = 5\n')
 SLIT = '[body.a]\nmaterial = "m"\nshape.difference = [ { box = { min = [0.0, 0.0], max = [1.0, 1.0] } }, { box = { min = [-1.0, 0.45], max = [0.5, 0.55] } } ]\n'
 TWO = BLOCK.replace("[1.0, 1.0]", "[0.5, 0.5]") + '[body.b]\nmaterial = "m"\nshape.box = { min = [0.55, 0.0], max = [1.0, 0.5] }\n'
+SLOT = '[body.a]\nmaterial = "m"\nshape.difference = [ { box = { min = [0.0, 0.0], max = [1.0, 1.0] } }, { box = { min = [0.2, 0.4], max = [2.0, 0.6] } } ]\n'
+THREE = "".join(f'[body.{name}]\nmaterial = "m"\nshape.box = {{ min = {low}, max = {high} }}\n' for name, low, high in (
+    ("root", [0.0, 0.0], [0.2, 1.0]), ("low", [0.2, 0.0], [1.0, 0.4]), ("high", [0.2, 0.6], [1.0, 1.0]))) + '[contact.c]\nbody = "high"\nother = "low"\nkind = "friction"\nfriction = 0.3\n'
+PRESSED = '[boundary.press]\nbody = "a"\nwhere.box = { min = [0.8, 0.9999] }\nuy = -0.15\n[steps]\ncount = 10\n'
+PUSHED = '[boundary.push]\nbody = "b"\nwhere.box = { min = [1.1999, -9.0] }\nux = -0.28\nuy = 0.0\n[steps]\ncount = 5\n'
 SLOPE = """
 model.gravity = [0.0, "-9.81*min(t, 1)"]
 [body.a]
@@ -188,6 +193,9 @@ FAILURES = {
                         ["model.allow_glued=true"]),
     "bodies apart": (GRID + ELASTIC + TWO + BASE + FEW, 'between bodies "a" and "b"', ['contact.c={body="a",other="b",kind="frictionless"}']),
     "bodies apart, allowed": (GRID + BRITTLE + TWO + BASE + FEW, 'between bodies "a" and "b"', ["model.allow_glued=true"]),
+    "sides of a slot that close": (GRID + ELASTIC + SLOT + BASE + PRESSED, 'two sides of body "a" have come', ["replace " + SLOT + " => " + THREE, "boundary.press.body=high"]),
+    "bodies that come together": (GRID + ELASTIC + TWO.replace("0.55", "0.8").replace("1.0, 0.5", "1.2, 0.5") + BASE.replace("9.0", "0.51") + PUSHED, 'bodies "a" and "b" have come',
+                                  ['contact.c={body="a",other="b",kind="friction",friction=0.3}']),
     "hangs on nodes": (GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.04, 0.0]") + "[boundary.w]\nwhere.box = { max = [1e-6, 9.0] }\nux = 0.0\nuy = 0.0\n" + MOVES,
                        "would hang on them", ["boundary.w.body=a", "boundary.w.where.box.max=[0.041,9.0]"]),
     "hangs, nodes below": (GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.0, 0.05]") + BASE + FEW, "would hang on them",

@@ -33,6 +33,8 @@ PIN = '[pin.NAME]\nbody = "a"\nat = AT\nfix = "xy"\n'
 GAUGE = "[gauge.NAME]\nfrom = [0.5, 0.2]\nto = TO\n"
 PROBE = '[probe.NAME]\nat = AT\nquantity = "stress_yy"\n'
 PRESSURE = '[pressure.NAME]\nbody = "a"\nwhere.box.min = MIN\nvalue = "VALUE"\n'
+WEIGHT = "model.gravity = [0.0, -9.81]\n"
+ROLLER = '[body.NAME]\nrigid = true\nshape.disc = { centre = AT, radius = 0.1 }\n[contact.NAME]\nbody = "a"\nrigid = "NAME"\nkind = "frictionless"\n'
 FREE = "nothing holds it there"
 STAGES = "[stage.first]\ncount = 2\n[stage.second]\ncount = 2\n"
 
@@ -78,6 +80,15 @@ MODELS = {
     "a disc beyond all cells": ('grid = { origin = [1e300, -0.2], cell_size = 0.1, cells = [24, 24] }\n' + ELASTIC + '[body.a]\nmaterial = "m"\nshape.disc = { centre = [0.5, 0.5], radius = 0.5 }\npoints = { mesh = "triangles", size = 0.1 }\n' + BASE + FEW,
                                 [("body.a", "reaches 1e+300 m")]),
     "a unit forgotten": ("model.gravity = [0.0, -9.81]\n" + GRID + ELASTIC.replace("1e7", "1e4") + BLOCK + BASE + FEW, [("material.m", "warning: [material.m]: under its own weight")]),
+    "a smooth beam on smooth rollers": (WEIGHT + GRID + ELASTIC + BLOCK.replace("[0.0, 0.0]", "[0.0, 0.6]") + ROLLER.replace("NAME", "l").replace("AT", "[0.2, 0.5]") + ROLLER.replace("NAME", "r").replace("AT", "[0.8, 0.5]")
+                                        + FEW, [("body.a", "warning: can move along x on what it touches without friction")]),
+    "a pressure on a joint": (WEIGHT + GRID + ELASTIC + BLOCK + UPON + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace('"VALUE"', "1e3") + FEW,
+                              [("pressure.p", "warning: 1 of its 1 m2 are where body \"a\" is joined to \"b\"")]),
+    "motions in millimetres": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-5.0") + FEW, [("boundary.top", "warning: moves by 5 m, farther than all bodies are long")]),
+    "a strength in megapascals": (GRID + ELASTIC.replace("linear_elastic", "von_mises").replace("1e7", "2.1e11") + "yield_stress = 250.0\n" + BLOCK + BASE + TOP + FEW,
+                                  [("material.m", "warning: yield_stress = 250 Pa is 1.2e-09 of the stiffness")]),
+    "a motion between the steps": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*sin(2*pi*50*t)"') + "[steps]\ncount = 100\n",
+                                   [("boundary.top", "warning: the steps of 0.01 s do not see")]),
     "a joint that the grid does not see": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + FEW, [("body.a", "the gap of 0.002 m between")]),
     "a joint that nothing closes, fem": (FEM + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + TOP.replace("0.9999", "1.9999").replace("1.0001", "2.0001").replace("uy", "ux = 0.0\nuy") + FEW,
                                          [("body.a", "warning: 0.002 m apart and not joined")]),
@@ -129,7 +140,6 @@ MODELS = {
     "plate in a plate's way": (GRID + ELASTIC + BLOCK + BASE + PLATE.replace("[-0.1, 1.0]", "[-0.1, 0.5]") + ON_PLATE.replace("KIND", "frictionless") + FEW, [("contact.c", "0.5 m2")]),
 }
 
-WEIGHT = "model.gravity = [0.0, -9.81]\n"
 SIDE = '[body.NAME]\nrigid = true\nshape.box = { min = MIN, max = MAX }\n[contact.NAME]\nbody = "a"\nrigid = "NAME"\nkind = "no_slip"\n'
 # Models with nothing wrong, each near to one above: no word may be said.
 RIGHT = {
@@ -141,6 +151,8 @@ RIGHT = {
                                   '[contact.c]\nbody = "a"\nrigid = "r"\nkind = "frictionless"\n' + FEW,
     "a tip on a block": WEIGHT + GRID + ELASTIC + BLOCK + '[body.b]\nmaterial = "m"\nshape.polygon = [[0.5, 1.0], [0.9, 1.5], [0.1, 1.5]]\n' + SMOOTH.replace('"frictionless"', '"friction"\nfriction = 0.5') + BASE
                         + '[boundary.guide]\nwhere.box.min = [-9.0, 1.4999]\nux = 0.0\n' + FEW,
+    "pulses that the steps see": GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*sin(2*pi*5*t)"') + PRESSURE.replace("NAME", "p").replace("MIN", "[0.9999, -9.0]").replace("VALUE", "t > 0.5 ? 1e3 : 0")
+                                 + "[steps]\ncount = 100\n",
     "a block on a block": WEIGHT + GRID + ELASTIC + BLOCK + UPON + BASE + FEW,
 }
 

@@ -217,6 +217,45 @@ count = 5
   EXPECT_FALSE(slides.run());
 }
 
+/// Friction at 0.6 of its limit, and at the limit beside an edge of the blocks: after the first step no equilibrium was found.
+TEST(DeformableContact, BlocksDrawnSidewaysStandInAnyNumberOfSteps) {
+  const std::string text = R"toml(
+model = { kinematics = "finite", gravity = ["0.3*9.81*t", "-9.81*t"] }
+grid = { origin = [-0.4, -0.2], cell_size = 0.1, cells = [30, 26] }
+[material.m]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = 1e8
+poisson_ratio = 0.2
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[body.b]
+material = "m"
+shape.box = { min = [0.0, 1.0], max = [1.0, 2.0] }
+[contact.c]
+body = "a"
+other = "b"
+kind = "friction"
+friction = 0.5
+[boundary.base]
+where.box = { max = [9.0, 1e-6] }
+ux = 0.0
+uy = 0.0
+[gauge.top]
+from = [0.5, 0.1]
+to = [0.5, 2.0]
+)toml";
+  double sway = 0.0;
+  for (const int count : {1, 2, 5, 20}) {
+    Model m(case_by_default(text, {fmt::format("steps.count={}", count)}));
+    ASSERT_TRUE(m.run()) << count;
+    EXPECT_LT(relative(-m.step.balance().reactions.boundary[0].x(), 0.3 * 9.81 * 4000.0), 1e-6) << count;
+    if (count == 1) sway = m.gauge_end().x();
+    EXPECT_LT(relative(m.gauge_end().x(), sway), 0.02) << count;
+  }
+}
+
 /// A square cut in two along its diagonal, steeper than nothing and rougher than need be: one body. Friction was limited by the
 /// pressure of the step before: 1.50 mm with 4 steps, 1.01 with 20.
 TEST(DeformableContact, WedgesThatCannotSlideAreOneBodyInAnyNumberOfSteps) {

@@ -274,6 +274,13 @@ TEST(Preflight, BeamsOfFewCells) {
   EXPECT_TRUE(notes(grid + body("a", box(0, 0, 2, 0.2)) + rollers + material).empty());
 }
 
+TEST(Preflight, BodiesInACell) {
+  const auto notes = [](double size) { return build_world(case_of(grid + body("a", box(0, 0, size, size)) + base + material, {}))->thin_parts; };
+  ASSERT_EQ(notes(0.05).size(), 1u);
+  expect_words(notes(0.05)[0], {"body a is 0.05 m long, 0.5 of a cell", "0.013 m"});
+  EXPECT_TRUE(notes(0.1).empty());  // one cell for a test of a law
+}
+
 TEST(Preflight, CellsThatLock) {
   const std::string clay = "[material.m]\nlaw = \"mohr_coulomb\"\ndensity = 2000.0\nyoungs_modulus = 1e8\npoisson_ratio = 0.49\ncohesion = 3e4\nfriction_angle = 0.0\n[steps]\ncount = 1\n";
   const auto says = [&](const std::vector<std::string>& overrides) {

@@ -97,6 +97,7 @@ TEST_F(Inherit, errorsOfOverridesNameThem) {
   EXPECT_EQ(errors(small_case, {"base=other.toml"}), "override \"base=other.toml\": \"base\" cannot be overridden");
   EXPECT_EQ(errors(small_case, {"a b=1"}),
             "override \"a b=1\": must be dotted.key=value on one line, with keys of letters, digits, _ and -");
+  EXPECT_NE(errors(small_case, {"grid.cells=[3,4"}).find("not valid TOML"), std::string::npos);
   EXPECT_NE(errors(small_case, {"title=a\nmethod=\"fem\""}), "");
 }
 

@@ -124,6 +124,8 @@ TEST(ReadMsh, ErrorsNameFileAndReason) {
       {"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "no nodes"},
       {replaced(two_squares, "$Nodes\n8", "$Nodes\n7"), "$EndNodes is expected"},
       {replaced(two_squares, "20 5 5 1\n", "1 5 5 1\n"), "exists already"},
+      {replaced(two_squares, "20 5 5 1\n", "20 5,0 5,0 1,0\n"), "numbers with a decimal point"},
+      {replaced(two_squares, "20 5 5 1\n", "20 5 5\n"), "three coordinates are expected here"},
       {replaced(two_squares, "7 2 2 2 2 2 4 5", "7 2 2 2 2 2 4"), "has 3 nodes"},
       {replaced(two_squares, "4 2 1 0", "4 2 1 0.5"), "z = 0.5"},
       {replaced(two_squares, "6 2 2 2 2 2 13 4", "6 2 2 2 2 2 13 77"), "77"},

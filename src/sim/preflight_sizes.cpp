@@ -1,0 +1,103 @@
+/// What is out of proportion: weights and pressures to a stiffness, motions to the bodies, bodies to the cells.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bc/case_lookup.hpp"
+#include "sim/preflight.hpp"
+
+namespace berm {
+namespace {
+
+/// From the lowest to the highest place [m].
+double height_along(const Vec3& up, const std::vector<Vec3>& places) {
+  double low = infinity, high = -infinity;
+  for (const Vec3& x : places) low = std::min(low, up.dot(x)), high = std::max(high, up.dot(x));
+  return places.empty() ? 0.0 : high - low;
+}
+
+constexpr double flat = 0.5;  ///< strain of what stands on the ground
+
+void warn_of_weights(World& w, const BuiltBodies& built) {
+  const Case& c = w.spec;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    const double stiffness = stiffness_of(c, static_cast<int>(b));
+    const Material* material = material_of(c, static_cast<int>(b));
+    if (!material || !(stiffness > 0.0)) continue;
+    double worst = 0.0, height = 0.0;
+    for (const Stage& stage : c.stages) {
+      const Vec3 weight = material->density * c.gravity.at(stage.end());
+      if (weight.norm() <= worst) continue;
+      worst = weight.norm();
+      height = height_along(weight / worst, built.places[b]);
+    }
+    if (worst * height > flat * stiffness)
+      w.warnings.push_back(
+          fmt::format("[material.{}]: under its own weight body \"{}\", {:.3g} m high, would be compressed by {:.2g} of its height: its stiffness is {:.3g} Pa. Is "
+                      "its unit right (\"30 GPa\", \"50 MPa\")?",
+                      material->name, c.bodies[b].name, height, worst * height / stiffness, stiffness));
+  }
+}
+
+void warn_of_pressures(World& w) {
+  const Case& c = w.spec;
+  for (const Pressure& p : c.pressures) {
+    const double stiffness = stiffness_of(c, body_index(c, p.body));
+    if (p.value.depends_on_place() || !(stiffness > 0.0)) continue;
+    double most = 0.0;
+    for (const Stage& stage : c.stages)
+      if (acts_in(p.stages, stage.name)) most = std::max(most, std::abs(p.value.at(stage.end())));
+    if (most > flat * stiffness)
+      w.warnings.push_back(fmt::format("[pressure.{}]: {:.3g} Pa on a body of a stiffness of {:.3g} Pa: is its unit right?", p.name, most, stiffness));
+  }
+}
+
+/// From the lowest to the highest place of some bodies [m].
+struct Extent {
+  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
+  void add(const Vec3& x) { low = low.cwiseMin(x), high = high.cwiseMax(x); }
+  Vec3 size() const { return (high - low).cwiseMax(0.0); }
+};
+
+/// Of a motion in a quasi-static stage, beyond which nothing is left to press or to bend.
+void warn_of_motions(World& w, double size) {
+  const Case& c = w.spec;
+  const auto look = [&](const char* kind, const std::string& name, const TimeFunction& u) {
+    if (u.depends_on_place()) return;
+    double farthest = 0.0;
+    for (const Stage& stage : c.stages)
+      if (stage.steps.analysis == Analysis::quasi_static) farthest = std::max(farthest, std::abs(u.at(stage.end())));
+    if (farthest > size)
+      w.warnings.push_back(fmt::format("[{}.{}] moves by {:.4g} m, farther than all bodies are long ({:.4g} m): did you mean mm?", kind, name, farthest, size));
+  };
+  for (const NodeBoundary& b : c.boundaries) {
+    for (const std::optional<TimeFunction>& u : b.u)
+      if (u) look("boundary", b.name, *u);
+    look("boundary", b.name, b.un);
+  }
+  for (const Body& body : c.bodies)
+    for (const TimeFunction& u : body.displacement.component)
+      if (body.rigid) look("body", body.name, u);
+}
+
+}  // namespace
+
+void warn_of_proportions(World& w, const BuiltBodies& built) {
+  constexpr double whole = 1.0 - 1e-6;  // cells
+  warn_of_weights(w, built);
+  warn_of_pressures(w);
+  Extent all;
+  std::vector<Extent> bodies(w.spec.bodies.size());
+  for (const SurfacePoint& s : built.surface) look_at_piece(s, [&](const Vec3& x) { all.add(x), bodies[s.body].add(x); });
+  w.comm.agree([&] { warn_of_motions(w, all.size().norm()); });
+  const double h = w.discretisation->cell_size();
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (const double longest = bodies[b].size().maxCoeff(); longest > 0.0 && longest < whole * h && w.spec.method == Method::mpm)
+      w.thin_parts.push_back(fmt::format("body {} is {:.3g} m long, {:.2g} of a cell: the grid sees no more of it than a point, and it is as wide as the functions of "
+                                         "its nodes; take cells of {:.2g} m or smaller",
+                                         w.spec.bodies[b].name, longest, longest / h, 0.25 * longest));
+}
+
+}  // namespace berm
