@@ -159,8 +159,10 @@ void BoundaryConditions::add_forces(const Discretisation& discretisation, const 
 bool BoundaryConditions::symmetric() const {
   for (const Pressure& p : case_.pressures)
     if (follows(p) || (case_.kinematics == Kinematics::finite && p.value.depends_on_place())) return false;
-  const bool rubs = std::any_of(case_.contacts.begin(), case_.contacts.end(), [](const Contact& c) { return c.kind == Contact::Kind::friction && c.other.empty(); });
-  return !rubs && !comm_.any(grid_contact_.some_at_once());  // where the pressure at t_n limits friction [contact (7)] is symmetric
+  const bool at_rest = std::any_of(case_.stages.begin(), case_.stages.end(), [&](const Stage& s) { return s.name == stage_ && s.steps.analysis == Analysis::quasi_static; });
+  return std::none_of(case_.contacts.begin(), case_.contacts.end(), [&](const Contact& c) {
+    return c.kind == Contact::Kind::friction && (c.other.empty() || (at_rest && acts(c.stages)));  // in motion [contact (7)] is symmetric
+  });
 }
 
 void BoundaryConditions::commit(const Discretisation& d, const NodalVector& du, double t0, double t1) {

@@ -74,7 +74,7 @@ GridContact::Force GridContact::force_at(const Touch& t, const Vec3& relative) c
     f.shear = limit * direction;
     f.stiffness = k * nn;
     if (limit > 0.0) f.stiffness += k * limit / size * (Mat3::Identity() - nn - direction * direction.transpose());
-    if (limit > 0.0 && t.at_once) f.stiffness += k * t.contact.friction * direction * n.transpose();
+    if (limit > 0.0 && t.at_once && settled_at_once_) f.stiffness += k * t.contact.friction * direction * n.transpose();
   }
   f.force = f.pressure * n + f.shear;
   return f;

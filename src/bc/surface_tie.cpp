@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
+#include "bc/piece_bins.hpp"
 #include "bc/travel.hpp"
 
 namespace berm {
@@ -66,36 +67,6 @@ private:
   const Case& case_;
   double size_;
   std::map<int, Region> regions_;
-};
-
-/// Pieces of the surface in cubes of space.
-class PieceBins {
-public:
-  PieceBins(const std::vector<SurfacePoint>& surface, double size) : width_(size) {
-    for (const SurfacePoint& s : surface) width_ = std::max(width_, 2.0 * s.size);
-    for (std::size_t k = 0; k < surface.size(); ++k) bins_[key(surface[k].X)].push_back(static_cast<int>(k));
-  }
-  template <class Work>
-  void for_near(const Vec3& x, Work work) const {
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j)
-        for (int k = -1; k <= 1; ++k)
-          if (const auto found = bins_.find(key(x + width_ * Vec3(i, j, k))); found != bins_.end())
-            for (const int piece : found->second) work(piece);
-  }
-
-private:
-  struct Hash {
-    std::size_t operator()(const std::array<long, 3>& k) const {
-      return std::size_t(k[0]) * 73856093u ^ std::size_t(k[1]) * 19349663u ^ std::size_t(k[2]) * 83492791u;
-    }
-  };
-  std::array<long, 3> key(const Vec3& x) const {
-    return {std::lround(std::floor(x.x() / width_)), std::lround(std::floor(x.y() / width_)),
-            std::lround(std::floor(x.z() / width_))};
-  }
-  double width_;
-  std::unordered_map<std::array<long, 3>, std::vector<int>, Hash> bins_;
 };
 
 /// By pair of bodies, the pieces of the first one's surface that touch the second; and, in `found`, how far apart the bodies are

@@ -14,6 +14,7 @@ namespace {
 struct Unseen {
   double beyond = 0.0, time = 0.0, low = infinity, high = -infinity;
   double share() const { return high > low ? beyond / (high - low) : 0.0; }
+  double size() const { return std::max(std::abs(low), std::abs(high)); }
 };
 
 Unseen unseen_between(const TimeFunction& f, const Stage& stage, double count) {
@@ -48,28 +49,35 @@ public:
     } catch (const RunError& error) {
       return problems_.error(place, error.what());
     }
-    for (const Stage& stage : c_.stages)
-      if (acts_in(stages, stage.name)) tell_unseen(f, stage, place);
+    tell_unseen(f, stages, place);
   }
   void look(const VectorFunction& f, const Stages& stages, const Place& place) const {
     for (const TimeFunction& component : f.component) look(component, stages, place);
   }
 
 private:
-  void tell_unseen(const TimeFunction& f, const Stage& stage, const Place& place) const {
-    constexpr double told = 0.2, seen = 0.05, most = 1e7;
-    Unseen unseen;
-    double enough = 2.0 * stage.steps.count;
+  void tell_unseen(const TimeFunction& f, const Stages& stages, const Place& place) const {
+    constexpr double told = 0.2, seen = 0.05, little = 1e-3, most = 1e7;  // of the range in a stage; of the largest value in all
     try {
-      unseen = unseen_between(f, stage, stage.steps.count);
-      if (unseen.share() <= told) return;
-      while (enough < most && unseen_between(f, stage, enough).share() > seen) enough *= 2.0;
+      std::vector<std::pair<const Stage*, Unseen>> found;
+      double size = 0.0;
+      for (const Stage& stage : c_.stages) {
+        if (!acts_in(stages, stage.name)) continue;
+        found.emplace_back(&stage, unseen_between(f, stage, stage.steps.count));
+        size = std::max(size, found.back().second.size());
+      }
+      for (const auto& [stage, unseen] : found) {
+        if (unseen.share() <= told || unseen.beyond <= little * size) continue;
+        double enough = 2.0 * stage->steps.count;
+        while (enough < most && unseen_between(f, *stage, enough).share() > seen) enough *= 2.0;
+        const std::string remedy = enough < most ? fmt::format("take {} count = {:.0f} or more", stage->name.empty() ? "[steps]" : "[stage." + stage->name + "]", enough)
+                                                 : "no number of steps does";
+        problems_.warn(place, fmt::format("\"{}\" goes from {:.4g} to {:.4g}, and the steps of {:.3g} s do not see {:.0f} % of it, as at t = {:.6g} s: {}", f.text(), unseen.low,
+                                          unseen.high, stage->steps.duration / stage->steps.count, 100.0 * unseen.share(), unseen.time, remedy));
+      }
     } catch (const RunError&) {
       return;  // between the steps it needs no value
     }
-    const std::string steps = stage.name.empty() ? "[steps]" : fmt::format("[stage.{}]", stage.name);
-    problems_.warn(place, fmt::format("\"{}\" goes from {:.4g} to {:.4g}, and the steps of {:.3g} s do not see {:.0f} % of it, as at t = {:.6g} s: take {} count = {:.0f} or more",
-                                      f.text(), unseen.low, unseen.high, stage.steps.duration / stage.steps.count, 100.0 * unseen.share(), unseen.time, steps, enough));
   }
 
   const Case& c_;

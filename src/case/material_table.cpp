@@ -60,16 +60,15 @@ void warn_unit(const Scope& scope, const std::string& key, Unit unit, double val
   if (!doubt.empty()) scope.warn(key, doubt);
 }
 
-/// Of a tension or yield that no solid of that stiffness is so weak in, or stronger than.
+/// Of a strength that the law must have: no solid of that stiffness is so weak, metals and stones have 1e-5 to 0.1 of it.
 template <class L>
 void warn_of_strengths(const Scope& scope, const L& law) {
-  constexpr double weakest = 1e-6, strongest = 1.0;  // parts of the stiffness: those of materials are 1e-5 to 0.1
+  constexpr double weakest = 1e-6;
   for (const Parameter<L>& p : L::parameters()) {
-    if (!scope.has(p.key) || (p.key != "yield_stress" && p.key != "tensile_strength")) continue;
-    if (!unit_doubt(p.key, p.unit, law.*(p.member)).empty()) continue;  // said already
-    const double ratio = law.*(p.member) / law.stiffness();
-    if (ratio > 0.0 && (ratio < weakest || ratio > strongest))
-      scope.warn(p.key, fmt::format("{} = {:.4g} Pa is {:.2g} of the stiffness of {:.3g} Pa: is its unit right (\"250 MPa\")?", p.key, law.*(p.member), ratio, law.stiffness()));
+    const double strength = law.*(p.member), ratio = strength / law.stiffness();
+    const bool named = p.key == "yield_stress" || p.key == "tensile_strength";
+    if (!named || p.default_value || !scope.has(p.key) || !(ratio < weakest) || !unit_doubt(p.key, p.unit, strength).empty()) continue;
+    scope.warn(p.key, fmt::format("{} = {:.4g} Pa is {:.2g} of the stiffness of {:.3g} Pa: is its unit right (\"250 MPa\")?", p.key, strength, ratio, law.stiffness()));
   }
 }
 

@@ -136,7 +136,10 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
       const std::string text = fmt::format("[boundary.{}] holds nodes {:.4g} m beside body \"{}\", which does not touch them and would hang on them all "
                                            "the same",
                                            c.boundaries[b].name, nearest[body], c.bodies[body].name);
-      const bool on_surface = std::any_of(surface.begin(), surface.end(), [&, body = body](const SurfacePoint& s) { return s.body == body && inside(c.boundaries[b].where, s.X); });
+      const bool on_surface = std::any_of(surface.begin(), surface.end(), [&, body = body](const SurfacePoint& s) {
+        const Where& where = c.boundaries[b].where;
+        return s.body == body && (!where.group || in_group(s, *where.group)) && inside(where, s.X);
+      });
       const std::string hold = on_surface ? fmt::format(" hold its surface by [boundary.{}] body = \"{}\",", c.boundaries[b].name, c.bodies[body].name) : "";
       if (!c.allow_glued)
         throw InputError(fmt::format("{}. Move the body to them,{} keep them a cell away from it, or allow it by [model] allow_glued = true", text, hold));

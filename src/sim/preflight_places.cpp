@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
+#include "bc/piece_bins.hpp"
 #include "sim/advice.hpp"
 #include "sim/preflight.hpp"
 #include "sim/preflight_parts.hpp"
@@ -218,15 +219,19 @@ void warn_of_loaded_joints(World& w, const std::vector<SurfacePoint>& surface) {
   constexpr double some = 0.01, opposite = -0.7;
   const Case& c = w.spec;
   const double touching = 0.1 * w.discretisation->cell_size();
-  for (const Pressure& p : c.pressures) {
-    const int body = body_index(c, p.body);
-    for (const Joint& j : w.neighbours.joints) {
-      if (j.body != body && j.other != body) continue;
-      const auto is_joined = [&](const SurfacePoint& s) {  // the pieces of a joint are those of its first body
-        return std::any_of(j.pieces.begin(), j.pieces.end(), [&](const SurfacePoint& t) {
-          return j.body == body ? t.X == s.X : t.normal.dot(s.normal) < opposite && (closest_on_piece(s.X, t) - s.X).norm() <= touching;
-        });
-      };
+  for (const Joint& j : w.neighbours.joints) {
+    const PieceBins bins(j.pieces, touching);  // of the surface of its first body
+    const auto is_joined = [&](const SurfacePoint& s) {
+      bool found = false;
+      bins.for_near(s.X, [&](int k) {
+        const SurfacePoint& t = j.pieces[k];
+        found |= s.body == j.body ? t.X == s.X : t.normal.dot(s.normal) < opposite && (closest_on_piece(s.X, t) - s.X).norm() <= touching;
+      });
+      return found;
+    };
+    for (const Pressure& p : c.pressures) {
+      const int body = body_index(c, p.body);
+      if ((j.body != body && j.other != body) || (j.contact >= 0 && !share_a_stage(p.stages, c.contacts[j.contact].stages))) continue;
       double area = 0.0, joined = 0.0;
       for (const auto& [s, share] : without_strips(caught_surface("pressure." + p.name, p.where, body, p.body, surface, c.dimension())))
         area += share * s.area, joined += is_joined(s) ? share * s.area : 0.0;

@@ -61,25 +61,22 @@ struct Extent {
   Vec3 size() const { return (high - low).cwiseMax(0.0); }
 };
 
-/// Of a motion in a quasi-static stage, beyond which nothing is left to press or to bend.
+/// Of supports in quasi-static stages: a body is pressed to nothing, or drawn to four times its length.
 void warn_of_motions(World& w, double size) {
+  constexpr double most = 3.0;
   const Case& c = w.spec;
-  const auto look = [&](const char* kind, const std::string& name, const TimeFunction& u) {
-    if (u.depends_on_place()) return;
-    double farthest = 0.0;
-    for (const Stage& stage : c.stages)
-      if (stage.steps.analysis == Analysis::quasi_static) farthest = std::max(farthest, std::abs(u.at(stage.end())));
-    if (farthest > size)
-      w.warnings.push_back(fmt::format("[{}.{}] moves by {:.4g} m, farther than all bodies are long ({:.4g} m): did you mean mm?", kind, name, farthest, size));
-  };
   for (const NodeBoundary& b : c.boundaries) {
+    double farthest = 0.0;
+    const auto look = [&](const TimeFunction& u) {
+      for (const Stage& stage : c.stages)
+        if (stage.steps.analysis == Analysis::quasi_static && acts_in(b.stages, stage.name) && !u.depends_on_place()) farthest = std::max(farthest, std::abs(u.at(stage.end())));
+    };
     for (const std::optional<TimeFunction>& u : b.u)
-      if (u) look("boundary", b.name, *u);
-    look("boundary", b.name, b.un);
+      if (u) look(*u);
+    look(b.un);
+    if (farthest > most * size)
+      w.warnings.push_back(fmt::format("[boundary.{}] moves by {:.4g} m, {:.2g} times as far as all bodies are long: did you mean mm?", b.name, farthest, farthest / size));
   }
-  for (const Body& body : c.bodies)
-    for (const TimeFunction& u : body.displacement.component)
-      if (body.rigid) look("body", body.name, u);
 }
 
 }  // namespace
@@ -93,8 +90,9 @@ void warn_of_proportions(World& w, const BuiltBodies& built) {
   for (const SurfacePoint& s : built.surface) look_at_piece(s, [&](const Vec3& x) { all.add(x), bodies[s.body].add(x); });
   w.comm.agree([&] { warn_of_motions(w, all.size().norm()); });
   const double h = w.discretisation->cell_size();
+  if (w.spec.method != Method::mpm || !std::holds_alternative<StructuredGrid>(w.spec.grid)) return;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (const double longest = bodies[b].size().maxCoeff(); longest > 0.0 && longest < whole * h && w.spec.method == Method::mpm)
+    if (const double longest = bodies[b].size().maxCoeff(); longest > 0.0 && longest < whole * h)
       w.thin_parts.push_back(fmt::format("body {} is {:.3g} m long, {:.2g} of a cell: the grid sees no more of it than a point, and it is as wide as the functions of "
                                          "its nodes; take cells of {:.2g} m or smaller",
                                          w.spec.bodies[b].name, longest, longest / h, 0.25 * longest));

@@ -34,13 +34,10 @@ Motion motion_along(Space space, const Vec3& direction, const Vec3& arm) {
 using Hold6 = Eigen::Matrix<double, 6, 6>;
 constexpr double nothing = 1e-10;  ///< of the largest eigenvalue of what holds
 
-/// Of the displacements that are held, and of all motions.
-std::array<long, 2> ranks(const Hold6& held) {
-  const auto rank = [](const Eigen::MatrixXd& sum) {
-    const Eigen::ArrayXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sum, Eigen::EigenvaluesOnly).eigenvalues().array();
-    return static_cast<long>((values > nothing * std::max(values.maxCoeff(), 1e-300)).count());
-  };
-  return {rank(held.topLeftCorner<3, 3>()), rank(held)};
+/// In how many directions displacements are held.
+long directions(const Hold6& held) {
+  const Eigen::Array3d values = Eigen::SelfAdjointEigenSolver<Mat3>(held.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly).eigenvalues().array();
+  return (values > nothing * std::max(values.maxCoeff(), 1e-300)).count();
 }
 
 /// What a smooth contact holds, by the normals of both sides. Next to the place where a body touches, and a hundredth of a cell counts
@@ -48,7 +45,7 @@ std::array<long, 2> ranks(const Hold6& held) {
 /// disc on a floor. What slides along either side is free but for that.
 struct SmoothContact {
   Hold6 by_rigid = Hold6::Zero(), by_body = Hold6::Zero();
-  const Hold6& weaker() const { return ranks(by_body) < ranks(by_rigid) ? by_body : by_rigid; }
+  const Hold6& weaker() const { return directions(by_body) < directions(by_rigid) ? by_body : by_rigid; }
 };
 
 /// An assembly of bodies that move together, and what holds it.
@@ -283,20 +280,20 @@ void look_for_free_bodies(World& w, const std::string& stage, Findings& found) {
   Groups groups = find_assemblies(w, stage, share, pieces);
   for (const auto& [root, assembly] : hold_assemblies(w, stage, share, groups, pieces)) {
     if (!(assembly.low.x() <= assembly.high.x())) continue;  // without a node of its own
+    const std::string when = c.stages.size() > 1 ? fmt::format(" in [stage.{}]", stage) : "";
     const std::string motion = free_motion(c, assembly, assembly.held);
     if (motion.empty()) {
       const std::string slips = free_motion(c, assembly, assembly.held_truly);
       if (!slips.empty())
-        w.warnings.push_back(with_places(c, fmt::format("body {}, near {}, can {} on what it touches without friction: only the slope of the surfaces beside the places that touch "
+        w.warnings.push_back(with_places(c, fmt::format("body {}, near {}, can {} on what it touches without friction{}: only the slope of the surfaces beside the places that touch "
                                                         "resists. Hold it in one place ([pin.NAME], [boundary.NAME]), or give a contact friction",
-                                                        fmt::join(names_of(w, groups, pieces, root), ", "), place_text(c, assembly.centre()), slips)));
+                                                        fmt::join(names_of(w, groups, pieces, root), ", "), place_text(c, assembly.centre()), slips, when)));
       if (is_first(w, stage)) found.look([&] { refuse_lost_weight(w, assembly, names_of(w, groups, pieces, root)); });
       continue;
     }
     const std::vector<std::string> names = names_of(w, groups, pieces, root);
     const bool one = names.size() == 1;
     const std::string reach = is_first(w, stage) ? contacts_apart(w, names) : "";
-    const std::string when = c.stages.size() > 1 ? fmt::format(" in [stage.{}]", stage) : "";
     found.look([&] {
       throw InputError(fmt::format("{} {}, near {}, can {}{}: nothing holds {} there.{} A quasi-static stage needs a support ([boundary.NAME], [pin.NAME]), a "
                                    "[contact.NAME] with something that is held, or analysis = \"dynamic\"",

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
+#include "bc/piece_bins.hpp"
 #include "sim/advice.hpp"
 #include "sim/preflight.hpp"
 
@@ -17,38 +17,11 @@ namespace {
 constexpr double enough_cells = 4.0;
 constexpr double slender = 5.0;  ///< lengths of a thickness
 
-/// Places sorted into boxes.
-class Boxes {
-public:
-  Boxes(const std::vector<SurfacePoint>& surface, double width) : width_(width) {
-    for (std::size_t k = 0; k < surface.size(); ++k) pieces_[key(box(surface[k].X))].push_back(static_cast<int>(k));
-  }
-  /// Calls work with all that is within a width of x, and some more.
-  template <class Work>
-  void near(const Vec3& x, const Work& work) const {
-    const Eigen::Array3i middle = box(x);
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j)
-        for (int k = -1; k <= 1; ++k)
-          if (const auto found = pieces_.find(key(middle + Eigen::Array3i(i, j, k))); found != pieces_.end())
-            for (const int piece : found->second) work(piece);
-  }
-
-private:
-  Eigen::Array3i box(const Vec3& x) const { return (x / width_).array().floor().cast<int>(); }
-  static std::size_t key(const Eigen::Array3i& b) {  // two boxes of one key cost time only
-    return std::size_t(b[0]) * 73856093u ^ std::size_t(b[1]) * 19349663u ^ std::size_t(b[2]) * 83492791u;
-  }
-
-  double width_;
-  std::unordered_map<std::size_t, std::vector<int>> pieces_;
-};
-
 /// Through the body at a piece of its surface, to a parallel piece; infinite if there is none within reach.
-double thickness_at(const SurfacePoint& s, const std::vector<SurfacePoint>& surface, const Boxes& boxes, double reach) {
+double thickness_at(const SurfacePoint& s, const std::vector<SurfacePoint>& surface, const PieceBins& bins, double reach) {
   constexpr double parallel = 0.996, beside = 0.75;  // cosine of 5 degrees; lengths of a piece
   double thickness = infinity;
-  boxes.near(s.X, [&](int k) {
+  bins.for_near(s.X, [&](int k) {
     const SurfacePoint& t = surface[k];
     if (t.body != s.body || -t.normal.dot(s.normal) < parallel) return;
     const Vec3 way = t.X - s.X;
@@ -105,11 +78,11 @@ bool is_slice(const World& w, const std::vector<const Thin*>& part) {
 
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface) {
   const double reach = enough_cells * longest_edge(w.discretisation->mesh());
-  const Boxes boxes(surface, reach);
+  const PieceBins bins(surface, reach);
   std::vector<std::vector<Thin>> thin(w.spec.bodies.size());
   for (const SurfacePoint& s : surface) {
     if (bends_as_it_should(w, s.body)) continue;
-    const double thickness = thickness_at(s, surface, boxes, reach), cells = thickness / width_along(w, s.normal);
+    const double thickness = thickness_at(s, surface, bins, reach), cells = thickness / width_along(w, s.normal);
     if (cells < enough_cells - 0.01) thin[s.body].push_back({s.X - 0.5 * thickness * s.normal, s.normal, thickness, cells});
   }
   for (std::size_t b = 0; b < thin.size(); ++b) {

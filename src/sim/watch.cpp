@@ -189,8 +189,8 @@ void Watch::look_for_meetings() {
   if (!found) return;
   const std::string &a = world_.spec.bodies[found->body_a].name, &b = world_.spec.bodies[found->body_b].name;
   const std::string who = a == b ? fmt::format("two sides of body \"{}\"", a) : fmt::format("bodies \"{}\" and \"{}\"", a, b);
-  tell_once("meeting", fmt::format("{} have come {:.3g} m closer near {}, time {:.6g}, and the grid joins them there: from a cell or two apart on they push and draw each "
-                                   "other. {} have a [contact.NAME], or smaller cells while they stay apart",
+  tell_once("meeting", fmt::format("{} have come {:.3g} m nearer to each other near {}, time {:.6g}, than their strains say, and the grid joins them there: from a cell or two apart "
+                                   "on they push and draw each other. {} have a [contact.NAME], or smaller cells while they stay apart",
                                    who, found->closer, place_text(world_.spec, found->where), world_.time,
                                    a == b ? "Sides that may meet must be two bodies that" : "Bodies that may meet must"));
 }

@@ -172,7 +172,7 @@ BodyParts parts_of_points(const std::vector<Vec3>& places, const std::vector<dou
 void check_places(const World& w, const BuiltBodies& built, Findings& found) {
   constexpr double beside = 0.1;  // cells
   if (w.spec.pins.empty() && w.spec.output.gauges.empty() && w.spec.output.probes.empty()) return;
-  const double edge = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
+  const double reach = 1.5 * longest_edge(w.discretisation->mesh()), h = w.discretisation->cell_size();
   std::vector<Region> shapes;
   bool all_have = true;
   for (const Body& body : w.spec.bodies) {
@@ -189,7 +189,7 @@ void check_places(const World& w, const BuiltBodies& built, Findings& found) {
     if (std::any_of(built.surface.begin(), built.surface.end(), [&](const SurfacePoint& s) { return (closest_on_piece(x, s) - x).norm() <= beside * h; })) return true;
     for (std::size_t b = 0; b < built.places.size(); ++b)
       for (std::size_t p = 0; p < built.places[b].size(); ++p)
-        if ((built.places[b][p] - x).norm() <= std::max(edge, std::pow(built.measures[b][p], 1.0 / w.spec.dimension()))) return true;
+        if (const double away = (built.places[b][p] - x).norm(); away <= reach || std::pow(away, w.spec.dimension()) <= built.measures[b][p]) return true;
     return false;
   };
   const auto check = [&](const char* kind, const std::string& name, const Vec3& x) {

@@ -26,6 +26,7 @@ UPON = BLOCK.replace("body.a", "body.b").replace("[0.0, 0.0]", "[0.0, 1.0]").rep
 SEAM = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # the places of 2 and 3 twice
 TWICE = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (2, 0), (2, 1), (0.5, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])
 INSIDE = mesh_22([(0.2, 0), (0.3, 0), (0.3, 0.1), (0.2, 0.1), (0, 0), (2, 0), (2, 1), (0, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)])  # no corner of the large one
+COARSE = mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1)], [(1, 2, 3, 4), (2, 5, 6, 3)])
 SMOOTH = '[contact.c]\nbody = "a"\nother = "b"\nkind = "frictionless"\n'
 ON_PLATE = '[contact.c]\nbody = "a"\nrigid = "plate"\nkind = "KIND"\n'
 AT_REST = PLATE[:PLATE.index("displacement")]
@@ -84,9 +85,11 @@ MODELS = {
                                         + FEW, [("body.a", "warning: can move along x on what it touches without friction")]),
     "a pressure on a joint": (WEIGHT + GRID + ELASTIC + BLOCK + UPON + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace('"VALUE"', "1e3") + FEW,
                               [("pressure.p", "warning: 1 of its 1 m2 are where body \"a\" is joined to \"b\"")]),
-    "motions in millimetres": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-5.0") + FEW, [("boundary.top", "warning: moves by 5 m, farther than all bodies are long")]),
+    "motions in millimetres": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-5.0") + FEW, [("boundary.top", "warning: moves by 5 m, 3.5 times as far as all bodies are long")]),
     "a strength in megapascals": (GRID + ELASTIC.replace("linear_elastic", "von_mises").replace("1e7", "2.1e11") + "yield_stress = 250.0\n" + BLOCK + BASE + TOP + FEW,
                                   [("material.m", "warning: yield_stress = 250 Pa is 1.2e-09 of the stiffness")]),
+    "a support of splines": (GRID.replace("24] }", '24], shape_functions = "quadratic_bspline" }') + ELASTIC + BLOCK + BASE + FEW,
+                             [("boundary.base", "warning: 50 % of its motion there is that of free nodes"), ("boundary.base", "warning: boundary.base.body = \"a\"")]),
     "a motion between the steps": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*sin(2*pi*50*t)"') + "[steps]\ncount = 100\n",
                                    [("boundary.top", "warning: the steps of 0.01 s do not see")]),
     "a joint that the grid does not see": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + FEW, [("body.a", "the gap of 0.002 m between")]),
@@ -153,6 +156,10 @@ RIGHT = {
                         + '[boundary.guide]\nwhere.box.min = [-9.0, 1.4999]\nux = 0.0\n' + FEW,
     "pulses that the steps see": GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*sin(2*pi*5*t)"') + PRESSURE.replace("NAME", "p").replace("MIN", "[0.9999, -9.0]").replace("VALUE", "t > 0.5 ? 1e3 : 0")
                                  + "[steps]\ncount = 100\n",
+    "a probe on the edge of a coarse mesh": GRID + ELASTIC + '[body.a]\nmaterial = "m"\nfile = "coarse.msh"\npoints = { per_element = 4 }\n' + BASE + TOP + PROBE.replace("NAME", "q").replace("AT", "[1.0, 1.0]") + FEW,
+    "a motion of the first stage only": GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*min(t, 1)"') + 'stages = ["first"]\n' + TOP.replace("top", "after").replace("-0.001", '"-0.001*min(t, 1)"')
+                                        + 'stages = ["second"]\n[stage.first]\ncount = 2\n[stage.second]\ncount = 2\nduration = 10000.0\n',
+    "rubber drawn to three times its length": GRID.replace("[24, 24]", "[24, 44]") + ELASTIC + BLOCK + BASE + TOP.replace("0.001", "2.0").replace("uy = -", 'body = "a"\nuy = ') + FEW,
     "a block on a block": WEIGHT + GRID + ELASTIC + BLOCK + UPON + BASE + FEW,
 }
 
@@ -201,6 +208,7 @@ def main():
         with tempfile.TemporaryDirectory() as scratch:
             path = pathlib.Path(scratch) / "case.toml"
             path.write_text(text, encoding="utf-8")
+            (pathlib.Path(scratch) / "coarse.msh").write_text(COARSE, encoding="ascii")
             done = subprocess.run([options.berm, "check", path], capture_output=True, text=True, timeout=60, check=False)
         alarm = done.returncode != 0 or "warning" in done.stdout + done.stderr
         wrong += alarm

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "driver.hpp"
+#include "sim/meeting.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm::verify {
@@ -332,6 +333,64 @@ count = 4
       const double weight = m.world->bodies[0].mass * 10.0;
       EXPECT_LT(relative(m.step.balance().reactions.rigid[1].y(), weight), 1e-6) << gap << shape;
     }
+}
+
+/// Sides of a slot one and a half cells wide that close; a soft pad between stiff plates, which is in the way of what meets.
+TEST(DeformableContact, SidesThatMeetAreSeen) {
+  const std::string head = R"toml(
+grid = { origin = [-0.4, -0.2], cell_size = 0.05, cells = [36, 32] }
+[material.m]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e7
+poisson_ratio = 0.2
+[boundary.base]
+where.box = { max = [9.0, 1e-6] }
+ux = 0.0
+uy = 0.0
+[steps]
+count = 5
+)toml";
+  const std::string slot = R"toml(
+[body.a]
+material = "m"
+shape.difference = [ { box = { min = [0.0, 0.0], max = [1.0, 1.0] } }, { box = { min = [0.2, 0.45], max = [2.0, 0.55] } } ]
+[boundary.top]
+body = "a"
+where.box = { min = [0.8, 0.9999] }
+uy = -0.08
+)toml";
+  const std::string pad = R"toml(
+[material.soft]
+law = "linear_elastic"
+density = 1000.0
+youngs_modulus = 1e5
+poisson_ratio = 0.2
+[body.low]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 0.45] }
+[body.pad]
+material = "soft"
+shape.box = { min = [0.0, 0.45], max = [1.0, 0.55] }
+[body.high]
+material = "m"
+shape.box = { min = [0.0, 0.55], max = [1.0, 1.0] }
+[boundary.top]
+body = "high"
+where.box = { min = [-9.0, 0.9999] }
+ux = 0.0
+uy = -0.025
+)toml";
+  Model closes(case_by_default(head + slot));
+  ASSERT_TRUE(closes.run());
+  const auto found = find_meeting(*closes.world);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->body_a, found->body_b);
+  EXPECT_GT(found->closer, 0.25 * 0.05);
+  EXPECT_NEAR(found->where.y(), 0.5, 0.15);
+  Model presses(case_by_default(head + pad));
+  ASSERT_TRUE(presses.run());
+  EXPECT_FALSE(find_meeting(*presses.world));
 }
 
 /// Nothing else tells where contact does not see that bodies are in one another.
