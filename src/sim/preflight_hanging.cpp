@@ -140,9 +140,9 @@ void refuse_hanging_bodies(World& w, const MpmDiscretisation& mpm, const std::ve
         const Where& where = c.boundaries[b].where;
         return s.body == body && (!where.group || in_group(s, *where.group)) && inside(where, s.X);
       });
-      const std::string hold = on_surface ? fmt::format(" hold its surface by [boundary.{}] body = \"{}\",", c.boundaries[b].name, c.bodies[body].name) : "";
       if (!c.allow_glued)
-        throw InputError(fmt::format("{}. Move the body to them,{} keep them a cell away from it, or allow it by [model] allow_glued = true", text, hold));
+        throw InputError(fmt::format("{}. Move the body to them, hold its surface by [boundary.{}] body = \"{}\"{}, keep them a cell away from it, or allow it by [model] allow_glued = true",
+                                     text, c.boundaries[b].name, c.bodies[body].name, on_surface ? "" : " and a where that catches it"));
       w.warnings.push_back(text);
     }
   }
