@@ -19,11 +19,13 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/system_file.hpp"
 #include "streams.hpp"
 
 namespace {
 
 using berm::InputError;
+using berm::raise_limit_of_open_files;
 using berm::RunError;
 
 constexpr int failed = 1;
@@ -215,6 +217,7 @@ void check_processes(int ranks, bool oversubscribe) {
 int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, const std::string& input) {
   look_for_mpiexec();
   check_limit_of_files();
+  raise_limit_of_open_files(64 + 16 * static_cast<unsigned long>(ranks));  // mpiexec waits for ever where it has too few for its pipes
   // Root may run a program with mpiexec as well as without (containers, CI); more processes than cores are the user's
   // choice; the last words are ours, not mpiexec's about an exit code.
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);

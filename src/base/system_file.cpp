@@ -1,11 +1,16 @@
 #include "base/system_file.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+
+#include "base/error.hpp"
 
 namespace berm {
 
@@ -21,6 +26,14 @@ int open_new_file(const std::string& path) {
 int open_to_append(const std::string& path) {
   // O_NONBLOCK: a named pipe without a reader is refused at once.
   return ::open(path.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
+}
+
+void raise_limit_of_open_files(unsigned long needed) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
+  limit.rlim_cur = std::min<rlim_t>(needed, limit.rlim_max);
+  if (limit.rlim_cur < needed || setrlimit(RLIMIT_NOFILE, &limit) != 0)
+    throw RunError(fmt::format("a run opens up to {} files, and this process may not have as many: raise its limit (ulimit -n)", needed));
 }
 
 std::string host_name() {

@@ -11,6 +11,9 @@ int open_new_file(const std::string& path);
 /// The same for going on at the end of a file that may be there; a symbolic link is refused.
 int open_to_append(const std::string& path);
 
+/// So many at least, if the system lets them be. Throws RunError if not.
+void raise_limit_of_open_files(unsigned long needed);
+
 std::string host_name();
 
 /// The words of the operating system for an errno and, where there is one, what to do.

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <petscsnes.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/system_file.hpp"
 #include "comm/mpi.hpp"
 #include "la/linear.hpp"
 #include "la/petsc.hpp"
@@ -60,16 +60,6 @@ void check_room() {
   had = true;
 }
 
-/// Open MPI has no words for too few of them.
-void raise_limit_of_open_files() {
-  constexpr rlim_t needed = 64;  // it takes some 20, the files of a run a dozen
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return;
-  limit.rlim_cur = std::min(needed, limit.rlim_max);
-  if (limit.rlim_cur < needed || setrlimit(RLIMIT_NOFILE, &limit) != 0)
-    throw RunError(fmt::format("a run opens up to {} files, and this process may not have as many: raise its limit (ulimit -n)", needed));
-}
-
 }  // namespace
 
 void start_petsc(const std::string& options) {
@@ -86,7 +76,7 @@ void start_petsc(const std::string& options) {
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {
-    raise_limit_of_open_files();
+    raise_limit_of_open_files(64);  // Open MPI takes some 20 and has no words for too few of them, the files of a run are a dozen
     struct sigaction quit {};
     sigaction(SIGQUIT, nullptr, &quit);
     check_petsc(PetscInitializeNoArguments(), "start");

@@ -121,7 +121,8 @@ private:
   /// Checks an element whose nodes are the numbers from `first` on.
   void element(long long type, const Numbers& values, std::size_t first) {
     const std::size_t nodes = contents_.nodes_of(type);
-    if (values.size() != first + nodes) fail(fmt::format("an element of type {} has {} nodes", type, nodes));
+    if (values.size() != first + nodes) fail(fmt::format("an element of type {} has {} nodes, here are {}: the line is wrong, or the file ends too early", type, nodes,
+                                                         std::max(0LL, static_cast<long long>(values.size()) - static_cast<long long>(first))));
     for (std::size_t i = first; i < values.size(); ++i) contents_.check_use(values[i]);
   }
 

@@ -237,8 +237,8 @@ void warn_of_loaded_joints(World& w, const std::vector<SurfacePoint>& surface) {
         area += share * s.area, joined += is_joined(s) ? share * s.area : 0.0;
       if (joined <= some * area) continue;
       w.warnings.push_back(fmt::format("[pressure.{}]: {:.3g} of its {:.3g} m2 are where body \"{}\" is joined to \"{}\": it presses on the first alone, and what joins them "
-                                       "takes it. Let where catch the free surface only, or part the two by a [contact.NAME]",
-                                       p.name, joined, area, p.body, c.bodies[j.body == body ? j.other : j.body].name));
+                                       "takes it. Let where catch the free surface only{}",
+                                       p.name, joined, area, p.body, c.bodies[j.body == body ? j.other : j.body].name, j.contact < 0 ? ", or part the two by a [contact.NAME]" : ""));
     }
   }
 }

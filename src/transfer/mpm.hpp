@@ -130,6 +130,7 @@ private:
     double fill = 0.0;
     double stiffness = 0.0;  ///< mean damaged E (plane: times thickness)
     int holds_rigid = 0;     ///< points of a rigid body
+    int spare = 0;           ///< 1: little in it, and every node is one of a cell beside it that holds it
   };
   /// F-bar: points of one body in one patch, which share their dilatation.
   struct Group {
@@ -163,6 +164,7 @@ private:
   void weigh_cells();
   void average_cells();
   void ask_neighbours();
+  void find_spare_cells();
   const CellState* cell_state(int cell) const;
   // stresses at Gauss points (mpm_quadrature.cpp)
   bool is_inside(int active) const;

@@ -27,6 +27,7 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
   push_.resize(x_.size(), Mat3::Identity());
   remote_.clear();
   if (comm_.size() > 1 && (ghost_penalty_ > 0.0 || at_gauss_points_)) ask_neighbours();
+  if (ghost_penalty_ > 0.0) find_spare_cells();
   if (at_gauss_points_) look_at_gauss_points();
   build_faces();
   number_nodes();
@@ -204,18 +205,48 @@ void MpmDiscretisation::ask_neighbours() {
       if (rank == comm_.rank() || told[rank] == cell) continue;
       told[rank] = cell;
       const CellState& s = cells_[a];
-      to[rank].insert(to[rank].end(), {double(cell), s.fill, s.stiffness, double(s.holds_rigid)});
+      to[rank].insert(to[rank].end(), {double(cell), s.fill, s.stiffness, double(s.holds_rigid), double(s.spare)});
     }
   }
   for (const auto& from : comm_.exchange(to))
-    for (std::size_t k = 0; k < from.size(); k += 4)
-      remote_[static_cast<int>(from[k])] = {from[k + 1], from[k + 2], static_cast<int>(from[k + 3])};
+    for (std::size_t k = 0; k < from.size(); k += 5)
+      remote_[static_cast<int>(from[k])] = {from[k + 1], from[k + 2], static_cast<int>(from[k + 3]), static_cast<int>(from[k + 4])};
 }
 
 const MpmDiscretisation::CellState* MpmDiscretisation::cell_state(int cell) const {
   if (active_index_[cell] >= 0) return &cells_[active_index_[cell]];
   const auto found = remote_.find(cell);
   return found == remote_.end() ? nullptr : &found->second;
+}
+
+namespace {
+
+constexpr double held = 0.4;  ///< filled more than this: a cell holds its nodes
+
+/// Whether a cell holds the nodes that it has in common with another one that is filled less.
+bool outweighs(double fill, double other) {
+  constexpr double many_times = 10.0;
+  return fill >= held || fill >= many_times * other;
+}
+
+}  // namespace
+
+/// As the cell of a slot into which one side has moved a little: stabilisation would join that to the other side.   [formulation, section 6]
+void MpmDiscretisation::find_spare_cells() {
+  if (basis_.degree() > 1) return;  // of splines, whose nodes are those of many cells
+  const Mesh& mesh = grid_.mesh;
+  const auto corners = [&](int cell) { return std::span<const int>(mesh.cell(cell), corners_of(mesh.kinds[cell])); };
+  for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+    const int cell = active_cells_[a];
+    std::vector<int> beside;  // nodes of cells that hold them
+    for (int f = 0; f < max_faces; ++f)
+      if (const int other = neighbour(cell, f); other >= 0)
+        if (const CellState* s = cell_state(other); s && outweighs(s->fill, cells_[a].fill))
+          for (const int node : corners(grid_cell(other))) beside.push_back(node);
+    const std::span<const int> own = corners(grid_cell(cell));
+    cells_[a].spare = cells_[a].fill < held && std::all_of(own.begin(), own.end(), [&](int node) { return std::find(beside.begin(), beside.end(), node) != beside.end(); });
+  }
+  if (comm_.size() > 1) ask_neighbours();
 }
 
 /// Ghost stabilisation (Burman 2010; for MPM: Coombs 2023): faces between active cells of which one is cut. A face
@@ -232,6 +263,8 @@ void MpmDiscretisation::build_faces() {
       if (other < cell) continue;
       const CellState* sb = cell_state(other);
       if (!sb || (sa.fill > whole && sb->fill > whole) || sa.holds_rigid || sb->holds_rigid) continue;
+      const auto is_held_beside = [](const CellState& s, const CellState& t) { return s.spare && (t.spare || outweighs(t.fill, s.fill)); };
+      if (is_held_beside(sa, *sb) || is_held_beside(*sb, sa)) continue;
       // The softer side counts (a broken cell must not be held by its neighbour); empty cells take the other side's
       // value; between two of them, where only surface points are, that of the softest material holds the nodes.
       const double ka = sa.stiffness, kb = sb->stiffness;
