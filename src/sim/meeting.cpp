@@ -4,6 +4,8 @@
 
 #include "bc/case_lookup.hpp"
 #include "law/kinds.hpp"
+#include "sim/of_largest.hpp"
+#include "sim/preflight_parts.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -89,11 +91,6 @@ void take_from_owners(const MpmDiscretisation& mpm, std::vector<T>& at_node, Has
     if (!has(at_node[node])) at_node[node] = mine[node];
 }
 
-/// Bodies that share nodes or are tied pull each other along: what is between their points is of both.
-bool are_joined(const World& w, int a, int b) {
-  return std::any_of(w.neighbours.joints.begin(), w.neighbours.joints.end(), [&](const Joint& j) { return std::minmax(j.body, j.other) == std::minmax(a, b); });
-}
-
 }  // namespace
 
 std::optional<Meeting> find_meeting(const World& world) {
@@ -118,13 +115,12 @@ std::optional<Meeting> find_meeting(const World& world) {
     for (const int node : mpm->blocks[patch]) {
       const Seen &a = at_node[node], &b = patches.seen[patch];
       if (a.body < 0 || b.body < 0 || !around[node].is_only(a.body, b.body) || !of_owners[node].is_only(a.body, b.body)) continue;
-      if (const double closer = closer_by(a, b); closer > closest && !(a.body != b.body && are_joined(world, a.body, b.body))) closest = closer, worst_a = a, worst_b = b;
+      if (const double closer = closer_by(a, b); closer > closest && (a.body == b.body || !are_joined(world, a.body, b.body))) closest = closer, worst_a = a, worst_b = b;
     }
   const double most = world.comm.max(closest);
   if (most <= told * mpm->cell_size()) return {};
-  std::vector<double> found;  // of the process that has seen it
-  if (closest == most) found = {double(worst_a.body), double(worst_b.body), worst_a.x[0], worst_a.x[1], worst_a.x[2]};
-  found = world.comm.all_gather(found);
+  const std::vector<double> found =
+      row_of_largest(world.comm, closest, most, {double(worst_a.body), double(worst_b.body), worst_a.x[0], worst_a.x[1], worst_a.x[2]});
   return Meeting{static_cast<int>(found[0]), static_cast<int>(found[1]), Vec3(found[2], found[3], found[4]), most};
 }
 

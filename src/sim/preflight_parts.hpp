@@ -1,6 +1,7 @@
 #pragma once
 /// What the checks before a run have in common.
 
+#include <algorithm>
 #include <map>
 
 #include "base/groups.hpp"
@@ -27,6 +28,13 @@ inline std::vector<std::vector<double>> shares_of_nodes(const World& w) {
     for (double& mass : share[b]) mass = std::abs(mass);
   }
   return share;
+}
+
+/// Bodies that count as touching at the start, and stay together; every body touches itself.
+inline bool are_joined(const World& w, int first, int second) {
+  return first == second || std::any_of(w.neighbours.joints.begin(), w.neighbours.joints.end(), [&](const Joint& j) {
+    return std::minmax(j.body, j.other) == std::minmax(first, second);
+  });
 }
 
 /// Motions of a rigid body that the space allows: displacements along x, y, z and turns about them.

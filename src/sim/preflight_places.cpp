@@ -64,13 +64,6 @@ bool face_each_other(const SurfacePoint& s, const SurfacePoint& t, double size) 
   return length > closed * size && way.dot(s.normal) > facing * length && -way.dot(t.normal) > facing * length;
 }
 
-/// Bodies that count as touching at the start; every body touches itself.
-bool are_joined(const World& w, int first, int second) {
-  return first == second || std::any_of(w.neighbours.joints.begin(), w.neighbours.joints.end(), [&](const Joint& j) {
-    return std::minmax(j.body, j.other) == std::minmax(first, second);
-  });
-}
-
 /// A piece at which another body that it touches begins has no gap before it.
 bool is_covered_by(const SurfacePoint& s, const SurfacePoint& t, double size) {
   constexpr double touching = 0.1, opposite = -0.7;

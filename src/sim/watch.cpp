@@ -12,6 +12,7 @@
 #include "bc/case_lookup.hpp"
 #include "sim/advice.hpp"
 #include "sim/meeting.hpp"
+#include "sim/of_largest.hpp"
 #include "transfer/mpm.hpp"
 
 namespace berm {
@@ -156,9 +157,7 @@ void Watch::look_for_penetration() {
   const double all = world_.comm.max(deepest);
   seen.penetration = std::max(seen.penetration, all);
   if (all <= told * h || (has_told("penetration") && all <= most * h)) return;
-  std::vector<double> found;  // of the process that has seen it
-  if (deepest == all) found = {double(worst), where.x(), where.y(), where.z()};
-  found = world_.comm.all_gather(found);
+  const std::vector<double> found = row_of_largest(world_.comm, deepest, all, {double(worst), where.x(), where.y(), where.z()});
   const Obstacle& o = obstacles_[static_cast<int>(found[0])];
   const std::string text =
       fmt::format("material of \"{}\" is {:.3g} m deep inside of rigid body \"{}\" at {}, time {:.6g} ({:.2g} cells): contact acts on the "
@@ -244,9 +243,8 @@ void Watch::look_for_lag() {
   double moved = 0.0;
   for (const Vec3& u : d.point_displacements()) moved = std::max(moved, u.norm());
   moved = world_.comm.max(moved);
-  std::vector<double> found;  // of the process that has seen it
-  if (mine.missing == missing) found = {double(mine.boundary), mine.prescribed, mine.at.x(), mine.at.y(), mine.at.z()};
-  found = world_.comm.all_gather(found);
+  const std::vector<double> found =
+      row_of_largest(world_.comm, mine.missing, missing, {double(mine.boundary), mine.prescribed, mine.at.x(), mine.at.y(), mine.at.z()});
   if (missing <= told * std::max(moved, found[1]) || (missing <= far * d.cell_size() && missing <= told * found[1])) return;
   const NodeBoundary& b = world_.spec.boundaries[static_cast<int>(found[0])];
   tell_once("lag", fmt::format("[boundary.{}] prescribes {:.3g} m, and the surface of \"{}\" near {} is {:.3g} m off at time {:.6g}: something else holds it, as "

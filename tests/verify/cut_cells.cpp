@@ -272,6 +272,46 @@ TEST(CutCells, ConditionDoesNotDependOnTheOffset) {
     }
 }
 
+/// One side of a slot of one cell, or of one and a half, moves into it by a part of a thousand: stabilisation tied it to the other side
+/// (0.26 to 0.9 of the deflection, by the number of steps).
+TEST(CutCells, SidesOfSlotsAreNotTied) {
+  const std::string text = R"toml(
+grid = {{ origin = [-0.5, -0.5], cell_size = 0.1, cells = [20, 20] }}
+[material.m]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = 1e8
+poisson_ratio = 0.2
+[body.a]
+material = "m"
+shape.difference = [ {{ box = {{ min = [0.0, 0.0], max = [1.0, 0.9] }} }}, {{ box = {{ min = [0.3, {}], max = [1.1, {}] }} }} ]
+mesh = {{ kind = "quads", size = 0.05, order = 2, structured = true }}
+[boundary.base]
+where.box.max = [9.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[pressure.top]
+body = "a"
+where.box.min = [0.4999, 0.8999]
+value = 1000.0
+[gauge.tip]
+from = [0.1, 0.02]
+to = [0.98, 0.88]
+[steps]
+count = 1
+)toml";
+  for (const auto& [low, high] : {std::pair(0.4, 0.5), std::pair(0.45, 0.6)}) {
+    const std::string slot = fmt::format(fmt::runtime(text), low, high);
+    Model fem(case_by_default(slot, {"method=\"fem\""}));
+    ASSERT_TRUE(fem.run());
+    for (const int count : {1, 5, 20}) {
+      Model m(case_by_default(slot, {fmt::format("steps.count={}", count)}));
+      ASSERT_TRUE(m.run());
+      EXPECT_LT(relative(m.gauge_end().y(), fem.gauge_end().y()), low < 0.42 ? 0.1 : 0.2) << count;  // 4 linear cells through an arm, or 3.5
+    }
+  }
+}
+
 /// Corners of domains that had moved a hair's breadth into a triangle which touches the body at a vertex gave it nodes that hung on
 /// nothing: surface points flew hundreds of metres, or the matrix was singular.
 TEST(CutCells, BodiesWhoseEdgesAreLinesOfTriangles) {

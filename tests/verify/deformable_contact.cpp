@@ -257,6 +257,41 @@ to = [0.5, 2.0]
   }
 }
 
+/// What is drawn sideways by a growing share of its weight slides where that is the coefficient of friction: it stood up to 16 % longer.
+TEST(DeformableContact, FrictionEndsAtItsLimitInAnyNumberOfSteps) {
+  const std::string text = R"toml(
+model = { kinematics = "finite", gravity = ["6*max(0, 2*t - 1)", "-10*min(1, 2*t)"] }
+grid = { origin = [-0.2, -0.2], cell_size = 0.1, cells = [23, 16] }
+[material.m]
+law = "linear_elastic"
+density = 2000.0
+youngs_modulus = 1e7
+poisson_ratio = 0.2
+[body.base]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [2.0, 0.4] }
+[body.block]
+material = "m"
+shape.box = { min = [0.6, 0.4], max = [1.2, 1.0] }
+[boundary.l]
+where.box.max = [10.0, 1e-6]
+ux = 0.0
+uy = 0.0
+[contact.c]
+body = "block"
+other = "base"
+kind = "friction"
+friction = 0.5
+)toml";
+  for (const int count : {4, 10, 20}) {
+    Model m(case_by_default(text, {fmt::format("steps.count={}", count)}));
+    EXPECT_FALSE(m.run()) << count;
+    const double limit = 0.6 * (2.0 * m.world->time - 1.0);
+    EXPECT_NEAR(limit, 0.5, 0.005) << count;
+    if (count == 10) record({"Contact on the grid", "horizontal force over weight at which a block slides on another, 10 steps", limit, "0.5", "0.005", "Coulomb"});
+  }
+}
+
 /// A square cut in two along its diagonal, steeper than nothing and rougher than need be: one body. Friction was limited by the
 /// pressure of the step before: 1.50 mm with 4 steps, 1.01 with 20.
 TEST(DeformableContact, WedgesThatCannotSlideAreOneBodyInAnyNumberOfSteps) {
