@@ -178,6 +178,9 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
   berm::RunOptions options;
   options.listens = say_ready;
   options.restart = w.restart;
+  // A named pipe would be waited for.
+  if (std::error_code none; std::filesystem::exists(w.restart, none) && !std::filesystem::is_regular_file(w.restart, none))
+    throw berm::InputError(w.restart + ": is not a file");
   options.folder = output_folder(w);
   options.quiet = w.quiet;
   options.replace_finished = w.force;

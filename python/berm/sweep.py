@@ -70,6 +70,8 @@ def check_content(content):
 
 def read_sweep(path):
     """(title, {name: {case, set, short}}), case paths resolved against the file."""
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise ResultError(f"{path}: is not a file")
     try:
         with open(path, "rb") as file:
             content = tomllib.load(file)

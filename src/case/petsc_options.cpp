@@ -16,7 +16,7 @@ namespace {
 constexpr std::array prefixes = {"ksp_", "pc_",         "mat_",       "snes_",      "mg_",       "sub_",
                                  "esteig_", "fieldsplit_", "redundant_", "telescope_", "fallback_", "newton_"};
 /// Parts of names whose value is a file, a folder or a program.
-constexpr std::array writing_names = {"file", "dump", "tmpdir", "ooc_", "python", "shell", "saws", "socket", "draw"};
+constexpr std::array writing_names = {"file", "dump", "tmpdir", "ooc_", "python", "shell", "saws", "socket", "draw", "icntl_22"};
 /// Kinds of viewer that need no ":FILE" to write one, or to open a window or a connection.
 constexpr std::array writing_values = {"binary", "draw", "socket", "matlab", "hdf5", "glvis", "vtk", "saws", "python", "string"};
 
@@ -40,6 +40,7 @@ std::string problem_of_name(const std::string& word) {
     return fmt::format("\"{}\" is no option of a solver (those begin with -{}){}", word, fmt::join(prefixes, ", -"), how);
   if (std::any_of(writing_names.begin(), writing_names.end(), [&](const char* p) { return name.find(p) != name.npos; }))
     return fmt::format("\"{}\" may write files or run programs{}", word, how);
+  if (name.ends_with("pc_mg_levels")) return fmt::format("\"{}\": the levels of -pc_type mg are none of berm's; -pc_type gamg makes its own", word);
   return "";
 }
 

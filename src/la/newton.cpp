@@ -52,9 +52,9 @@ void check_room() {
   constexpr std::size_t needed = std::size_t(160) << 20;
   static bool had = false;  // it keeps what it has taken
   if (had || !dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) return;
-  void* room = mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  void* room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (room == MAP_FAILED)
-    throw RunError(fmt::format("the linear algebra needs {} MB of addresses for itself, and this process may not have as many: raise its limit (ulimit -v)",
+    throw RunError(fmt::format("the linear algebra needs {} MB of addresses for itself, and this process may not have as many: raise its limit (ulimit -v, ulimit -d)",
                                needed >> 20));
   munmap(room, needed);
   had = true;

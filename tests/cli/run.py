@@ -482,7 +482,7 @@ def little_memory():
         ends.append((size >> 20, done.returncode, done.stderr[-200:]))
         if done.returncode == 0:
             break
-    said = [text for _, code, text in ends if code == 1 and "raise its limit (ulimit -v)" in text]
+    said = [text for _, code, text in ends if code == 1 and "raise its limit (ulimit -v" in text]
     return "" if said and ends[-1][1] == 0 else str(ends)
 
 
