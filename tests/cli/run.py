@@ -495,6 +495,16 @@ def few_open_files():
             or wrong(berm("run", "case.toml", "--force", "-n", "2", timeout=60, preexec_fn=limited(24, 24)), 1, "raise its limit (ulimit -n)"))  # mpiexec hung
 
 
+def waits_for_nothing():
+    """What a run or a tool would wait for, or loop on, for ever: refused at once."""
+    os.mkfifo("pipe")
+    odd = {"steps.duration=5e-324": "must be >= 1e-100", "solver.petsc=-pc_type mg -pc_mg_levels 2": "-pc_mg_levels", "solver.petsc=-mat_mumps_icntl_22 1": "may write files"}
+    return (wrong(berm("run", "case.toml", "--force", "--restart", "pipe", timeout=60), 2, "pipe: is not a file")
+            or wrong(berm("sweep", "/dev/zero", timeout=60), 2, "/dev/zero: is not a file")
+            or wrong(berm("run", "case.toml", "--force", timeout=60, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA, (150_000_000, 150_000_000))), 1, "ulimit -d")
+            or next((why for change, words in odd.items() if (why := wrong(berm("check", "case.toml", "--set", change, timeout=60), 2, words))), ""))
+
+
 def tool_that_is_ended():
     """The runs of a sweep end with it."""
     pathlib.Path("long.toml").write_text(LONG)
@@ -539,7 +549,7 @@ def progress():
 
 TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
          signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
-         little_memory, few_open_files, tool_that_is_ended, odd_entries, progress]
+         little_memory, few_open_files, waits_for_nothing, tool_that_is_ended, odd_entries, progress]
 
 
 def main():
