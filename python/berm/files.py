@@ -1,6 +1,11 @@
-"""Files that the tools write."""
+"""Files that the tools read and write."""
 
 import os
+
+
+def may_never_end(path):
+    """Whether what has that name is no regular file: a pipe would be waited for, a device read for ever."""
+    return os.path.exists(path) and not os.path.isfile(path)
 
 
 def new_file(path, binary=False):

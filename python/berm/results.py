@@ -16,6 +16,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 
 from berm.errors import ResultError
+from berm.files import may_never_end
 from berm.summary import read_summary
 from berm.words import readable
 
@@ -206,7 +207,7 @@ def find_unit(name):
 
 def read_lines(path):
     """[(number, text)] of the lines of a text that are not empty; what is no UTF-8 is Latin-1."""
-    if os.path.exists(path) and not os.path.isfile(path):
+    if may_never_end(path):
         raise ResultError(f"cannot read {path}: it is no regular file (a pipe may never end: save it as CSV)")
     try:
         with open(path, "rb") as file:

@@ -19,7 +19,7 @@ import tomllib
 
 from berm import words
 from berm.errors import ResultError
-from berm.files import new_file
+from berm.files import may_never_end, new_file
 from berm.program import end_runs_with_the_tool, find_berm, run_case
 from berm.report import write_report
 from berm.results import Run
@@ -70,7 +70,7 @@ def check_content(content):
 
 def read_sweep(path):
     """(title, {name: {case, set, short}}), case paths resolved against the file."""
-    if os.path.exists(path) and not os.path.isfile(path):
+    if may_never_end(path):
         raise ResultError(f"{path}: is not a file")
     try:
         with open(path, "rb") as file:

@@ -166,9 +166,8 @@ Node parse_override(const std::string& text, Problems& problems) {
     node = parse_assignment(key + "=" + value, why);
     if (!node) {
       const std::string word = value.substr(std::min(value.find_first_not_of(' '), value.size()));
-      const bool unclosed = (word.starts_with('[') && std::count(word.begin(), word.end(), '[') > std::count(word.begin(), word.end(), ']')) ||
-                            (word.starts_with('{') && std::count(word.begin(), word.end(), '{') > std::count(word.begin(), word.end(), '}'));
-      if (unclosed && !why.empty() && parse_assignment(key + "=0", why)) {
+      const auto stays_open = [&](char open, char close) { return word.starts_with(open) && std::count(word.begin(), word.end(), open) > std::count(word.begin(), word.end(), close); };
+      if ((stays_open('[', ']') || stays_open('{', '}')) && !why.empty() && parse_assignment(key + "=0", why)) {
         problems.error(place, fmt::format("not valid TOML: {}", why));
         return {};
       }

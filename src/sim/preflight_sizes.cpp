@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -54,13 +55,6 @@ void warn_of_pressures(World& w) {
   }
 }
 
-/// From the lowest to the highest place of some bodies [m].
-struct Extent {
-  Vec3 low = Vec3::Constant(infinity), high = Vec3::Constant(-infinity);
-  void add(const Vec3& x) { low = low.cwiseMin(x), high = high.cwiseMax(x); }
-  Vec3 size() const { return (high - low).cwiseMax(0.0); }
-};
-
 /// Of supports in quasi-static stages: a body is pressed to nothing, or drawn to four times its length.
 void warn_of_motions(World& w, double size) {
   constexpr double most = 3.0;
@@ -85,14 +79,14 @@ void warn_of_proportions(World& w, const BuiltBodies& built) {
   constexpr double whole = 1.0 - 1e-6;  // cells
   warn_of_weights(w, built);
   warn_of_pressures(w);
-  Extent all;
-  std::vector<Extent> bodies(w.spec.bodies.size());
-  for (const SurfacePoint& s : built.surface) look_at_piece(s, [&](const Vec3& x) { all.add(x), bodies[s.body].add(x); });
-  w.comm.agree([&] { warn_of_motions(w, all.size().norm()); });
+  Eigen::AlignedBox3d all;
+  std::vector<Eigen::AlignedBox3d> bodies(w.spec.bodies.size());
+  for (const SurfacePoint& s : built.surface) look_at_piece(s, [&](const Vec3& x) { all.extend(x), bodies[s.body].extend(x); });
+  w.comm.agree([&] { warn_of_motions(w, all.diagonal().norm()); });
   const double h = w.discretisation->cell_size();
   if (w.spec.method != Method::mpm || !std::holds_alternative<StructuredGrid>(w.spec.grid)) return;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    if (const double longest = bodies[b].size().maxCoeff(); longest > 0.0 && longest < whole * h)
+    if (const double longest = bodies[b].diagonal().maxCoeff(); !bodies[b].isEmpty() && longest < whole * h)
       w.thin_parts.push_back(fmt::format("body {} is {:.3g} m long, {:.2g} of a cell: the grid sees no more of it than a point, and it is as wide as the functions of "
                                          "its nodes; take cells of {:.2g} m or smaller",
                                          w.spec.bodies[b].name, longest, longest / h, 0.25 * longest));

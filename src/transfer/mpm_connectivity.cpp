@@ -236,15 +236,18 @@ void MpmDiscretisation::find_spare_cells() {
   if (basis_.degree() > 1) return;  // of splines, whose nodes are those of many cells
   const Mesh& mesh = grid_.mesh;
   const auto corners = [&](int cell) { return std::span<const int>(mesh.cell(cell), corners_of(mesh.kinds[cell])); };
+  std::vector<int> beside;  // nodes of cells that hold them
   for (std::size_t a = 0; a < active_cells_.size(); ++a) {
+    cells_[a].spare = 0;
+    if (cells_[a].fill >= held) continue;
     const int cell = active_cells_[a];
-    std::vector<int> beside;  // nodes of cells that hold them
+    beside.clear();
     for (int f = 0; f < max_faces; ++f)
       if (const int other = neighbour(cell, f); other >= 0)
         if (const CellState* s = cell_state(other); s && outweighs(s->fill, cells_[a].fill))
           for (const int node : corners(grid_cell(other))) beside.push_back(node);
     const std::span<const int> own = corners(grid_cell(cell));
-    cells_[a].spare = cells_[a].fill < held && std::all_of(own.begin(), own.end(), [&](int node) { return std::find(beside.begin(), beside.end(), node) != beside.end(); });
+    cells_[a].spare = std::all_of(own.begin(), own.end(), [&](int node) { return std::find(beside.begin(), beside.end(), node) != beside.end(); });
   }
   if (comm_.size() > 1) ask_neighbours();
 }
