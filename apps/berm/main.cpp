@@ -174,7 +174,10 @@ int run(const Words& w, const std::vector<std::string>& arguments) {
   if (w.ranks > 1 && first)
     return run_under_mpiexec(w.ranks, arguments, w.file == from_input ? read_standard_input() : "");
   if (!first || w.file != from_input) berm::catch_signals();  // a terminal that is read may be left by Ctrl-C
-  if (!first) berm::start_petsc();
+  if (!first) {
+    berm::start_petsc();
+    if (berm::Comm::world().is_root()) say_begun();
+  }
   berm::RunOptions options;
   options.listens = say_ready;
   options.restart = w.restart;

@@ -39,6 +39,10 @@ constexpr const char* terminal_variable = "BERM_TERMINAL";
 /// Set for the processes below mpiexec: the first one shall say when signals end the run in order.
 constexpr const char* ready_variable = "BERM_SAY_READY";
 constexpr std::string_view ready_line = "\x1e" "berm listens to signals\n";
+constexpr std::string_view begun_line = "\x1e" "berm has begun\n";
+
+/// The last words shall be ours, not mpiexec's about an exit code.
+constexpr const char* quiet_variable = "OMPI_MCA_orte_execute_quiet";
 
 volatile pid_t mpiexec = 0;
 volatile std::sig_atomic_t signals = 0, ready = 0;
@@ -121,19 +125,26 @@ class Output {
 public:
   void add(std::string_view words) {
     if (ready) return write_out(words);
-    begun_ += words;
-    const std::size_t at = begun_.find(ready_line);
-    if (at == std::string::npos) return;
-    begun_.erase(at, ready_line.size());
+    kept_ += words;
+    begun_ = take_out(begun_line) || begun_;
+    if (!take_out(ready_line)) return;
     become_ready();
     end();
   }
   void end() {
-    write_out(begun_);
-    begun_.clear();
+    write_out(kept_);
+    kept_.clear();
   }
+  /// Whether a process of berm's got through the start of MPI.
+  bool begun() const { return begun_; }
 
 private:
+  bool take_out(std::string_view line) {
+    const std::size_t at = kept_.find(line);
+    if (at == std::string::npos) return false;
+    kept_.erase(at, line.size());
+    return true;
+  }
   void write_out(std::string_view words) {
     while (heard_ && !words.empty()) {
       const ssize_t n = write(STDOUT_FILENO, words.data(), words.size());
@@ -144,19 +155,22 @@ private:
     }
   }
 
-  bool heard_ = true;
-  std::string begun_;  ///< what was said before the processes were ready
+  bool heard_ = true, begun_ = false;
+  std::string kept_;  ///< what was said before the processes were ready
 };
 
-void pass_on_words(int from) {
+/// True if a process has begun.
+bool pass_on_words(int from) {
   char piece[65536];
   Output words;
   for (;;) {
     const ssize_t n = read(from, piece, sizeof piece);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return words.end();
+    if (n <= 0) break;
     words.add({piece, static_cast<std::size_t>(n)});
   }
+  words.end();
+  return words.begun();
 }
 
 /// `input` in the place of standard input: a group in the background is stopped when it reads a terminal.
@@ -186,6 +200,26 @@ int exit_code_of(int status) {
   return failed;
 }
 
+void say_to_parent(std::string_view line) {
+  if (!std::getenv(ready_variable)) return;
+  std::fwrite(line.data(), 1, line.size(), stdout);
+  std::fflush(stdout);
+}
+
+/// Of Open MPI, as the user has set them: "A=1, B=2".
+std::string settings_of_mpi() {
+  std::string all;
+  for (char** entry = environ; *entry; ++entry)
+    if (const std::string_view word = *entry; word.starts_with("OMPI_MCA_")) all += fmt::format("{}{}", all.empty() ? "" : ", ", word);
+  return all;
+}
+
+/// Open MPI's own words are left out (quiet_variable), also where it cannot start.
+void say_not_begun(const std::string& settings) {
+  say_error(fmt::format("berm: Open MPI has not started the processes. The same with {}=0 in the environment shows why{}", quiet_variable,
+                        settings.empty() ? "" : fmt::format("; it also holds {}", settings)));
+}
+
 }  // namespace
 
 int ranks_of_launcher() {
@@ -194,11 +228,8 @@ int ranks_of_launcher() {
   return 1;
 }
 
-void say_ready() {
-  if (!std::getenv(ready_variable)) return;
-  std::fwrite(ready_line.data(), 1, ready_line.size(), stdout);
-  std::fflush(stdout);
-}
+void say_begun() { say_to_parent(begun_line); }
+void say_ready() { say_to_parent(ready_line); }
 
 bool user_sees_terminal() { return std::getenv(terminal_variable) != nullptr; }
 
@@ -218,12 +249,13 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   look_for_mpiexec();
   check_limit_of_files();
   raise_limit_of_open_files(64 + 16 * static_cast<unsigned long>(ranks));  // mpiexec waits for ever where it has too few for its pipes
+  const std::string settings = settings_of_mpi();
   // Root may run a program with mpiexec as well as without (containers, CI); more processes than cores are the user's
-  // choice; the last words are ours, not mpiexec's about an exit code.
+  // choice.
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 0);
-  setenv("OMPI_MCA_orte_execute_quiet", "1", 0);
+  setenv(quiet_variable, "1", 0);
   setenv(ready_variable, "1", 1);
   if (isatty(STDOUT_FILENO) == 1) setenv(terminal_variable, "1", 1);
   std::vector<std::string> words = {"mpiexec", "-n", std::to_string(ranks), own_path()};
@@ -242,9 +274,10 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
   mpiexec = child;
   for (const int number : {SIGINT, SIGTERM, SIGUSR1}) handle(number);
   if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(SIGHUP);  // nohup
-  pass_on_words(out[0]);
+  const bool begun = pass_on_words(out[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (!begun && status != 0 && signals == 0) say_not_begun(settings);
   return exit_code_of(status);
 }

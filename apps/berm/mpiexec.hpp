@@ -11,6 +11,9 @@ int ranks_of_launcher();
 /// case.
 bool user_sees_terminal();
 
+/// Below run_under_mpiexec: the first process calls it once MPI has started.
+void say_begun();
+
 /// Below run_under_mpiexec: the first process calls it once signals end the run in good order.
 void say_ready();
 

@@ -48,7 +48,7 @@ def _last_words(name, error):
         return f"{name}: interrupted"
     if isinstance(error, OSError):
         where = f"{readable(str(error.filename))}: " if error.filename else ""
-        remedy = ": make room there, or write to another disk (--out)" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+        remedy = ": make room on the disk of the output, or choose another (--out)" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
         return f"error: {where}{error.strerror or error}{remedy}"
     text = " ".join(f"{type(error).__name__}: {error}".split())
     return f"{name}: {text} (set BERM_TRACEBACK=1 for where)"

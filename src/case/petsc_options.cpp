@@ -20,6 +20,8 @@ constexpr std::array writing_names = {"file", "dump", "tmpdir", "ooc_", "python"
 /// Kinds of viewer that need no ":FILE" to write one, or to open a window or a connection.
 constexpr std::array writing_values = {"binary", "draw", "socket", "matlab", "hdf5", "glvis", "vtk", "saws", "python", "string"};
 
+constexpr std::size_t most_digits_of_blocks = 3;
+
 constexpr const char* how = "; berm run --allow-petsc-files lets it";
 
 /// As PETSc tells them from values: -1 is none.
@@ -51,6 +53,8 @@ std::string problem_of_value(const std::string& name, const std::string& word) {
   if (file || value.find_first_of("/\\") != value.npos ||
       std::find(writing_values.begin(), writing_values.end(), kind) != writing_values.end())
     return fmt::format("\"{} {}\" may write a file{}", name, word, how);
+  if (lower(name).ends_with("_blocks") && word.size() > most_digits_of_blocks)
+    return fmt::format("\"{} {}\": PETSc makes a solver of every block: take fewer than 1000{}", name, word, how);
   return "";
 }
 

@@ -27,6 +27,12 @@ bool is_there(int descriptor, const std::string& path) {
   return ::fstat(descriptor, &held) == 0 && ::lstat(path.c_str(), &there) == 0 && held.st_ino == there.st_ino;
 }
 
+/// Zero if there is none.
+std::uintmax_t number_of(const std::filesystem::path& folder) {
+  struct stat there;
+  return ::stat(folder.c_str(), &there) == 0 ? there.st_ino : 0;
+}
+
 /// Empty if there is none; a pipe would never end.
 std::string first_line(const std::filesystem::path& path) {
   std::string line;
@@ -52,7 +58,7 @@ bool is_result(const std::string& name) {
 
 }  // namespace
 
-FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / lock_name) {
+FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / lock_name), folder_number_(number_of(folder)) {
   const std::string path = file_.string();
   do {
     if (descriptor_ >= 0) ::close(descriptor_);
@@ -70,17 +76,20 @@ FolderLock::FolderLock(const std::filesystem::path& folder) : file_(folder / loc
 }
 
 FolderLock::FolderLock(FolderLock&& other) noexcept
-    : file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+    : file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)), folder_number_(other.folder_number_) {}
 
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {
   std::swap(file_, other.file_);
   std::swap(descriptor_, other.descriptor_);
+  std::swap(folder_number_, other.folder_number_);
   return *this;
 }
 
+bool FolderLock::has_folder() const { return descriptor_ < 0 || number_of(file_.parent_path()) == folder_number_; }
+
 FolderLock::~FolderLock() {
   if (descriptor_ < 0) return;
-  ::unlink(file_.c_str());
+  if (has_folder()) ::unlink(file_.c_str());
   ::close(descriptor_);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The folder that a run writes to: one run at a time, and no finished one by mistake.
 
+#include <cstdint>
 #include <filesystem>
 
 namespace berm {
@@ -15,9 +16,13 @@ public:
   FolderLock& operator=(FolderLock&& other) noexcept;
   ~FolderLock();
 
+  /// False if something else has the folder's name now: moved away, removed, replaced by a link. True of one that locks nothing.
+  bool has_folder() const;
+
 private:
   std::filesystem::path file_;
   int descriptor_ = -1;
+  std::uintmax_t folder_number_ = 0;  ///< of the system (inode)
 };
 
 /// Throws InputError if the folder holds the results of a run that came to its end.

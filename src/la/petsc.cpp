@@ -8,9 +8,12 @@ namespace berm {
 
 void check_petsc(PetscErrorCode code, const char* what) {
   if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(code, &text, nullptr);
-  throw RunError(std::string("PETSc: ") + what + " failed: " + (text ? text : "unknown error"));
+  const char* kind = nullptr;
+  char* words = nullptr;  // of the function that has failed: names and values
+  PetscErrorMessage(code, &kind, &words);
+  std::string text = kind ? kind : "unknown error";
+  if (words && *words) text += std::string(" (") + words + ")";
+  throw RunError(std::string("PETSc: ") + what + " failed: " + text);
 }
 
 bool solve_by(KSP solver, Mat matrix, Vec b, Vec x, int* iterations) {

@@ -29,11 +29,11 @@ namespace berm {
 namespace {
 
 /// Set by Ctrl-C, SIGTERM, SIGHUP and SIGUSR1: the run ends after the step, with everything written. A second one ends it as it
-/// is. mpiexec passes SIGUSR1 on at once, SIGTERM a second before it kills.
+/// is, but of SIGXCPU (ulimit -St): that comes every second. mpiexec passes SIGUSR1 on at once, SIGTERM a second before it kills.
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int number) {
   interrupted = 1;
-  std::signal(number, SIG_DFL);
+  if (number != SIGXCPU) std::signal(number, SIG_DFL);
 }
 
 constexpr const char* checkpoint_name = "checkpoint.h5";
@@ -49,10 +49,11 @@ struct OptionsOfPetsc {
 
 class Run {
 public:
-  Run(Case spec, const RunOptions& options, const Comm& comm)
+  Run(Case spec, const RunOptions& options, const FolderLock& lock, const Comm& comm)
       : start_(std::chrono::steady_clock::now()),
         comm_(comm),
         folder_(options.folder),
+        lock_(lock),
         origin_(options.origin),
         open_log_(open_log(options, comm)),
         log_(*open_log_),
@@ -102,6 +103,7 @@ public:
     }
     watch_.look_last();
     recorder_.note(watch_.seen);
+    check_folder();
     recorder_.finish("done", "", seconds(), origin_);
     report_end();
   }
@@ -131,10 +133,20 @@ private:
     return origin.command.empty() ? text : text + "\ncommand: " + origin.command;
   }
 
+  /// Nothing is written to a folder that is not the run's own.
+  bool has_folder() const { return !comm_.any(!lock_.has_folder()); }
+  void check_folder() const {
+    if (!has_folder())
+      throw RunError(fmt::format("{}: something else has the name of the output folder now (moved, removed or replaced during the run); "
+                                 "what was written is where the folder is, and --restart goes on from a checkpoint in it",
+                                 folder_.string()));
+  }
+
   /// What cannot be written on a full disk must not hide why the run ends.
   void end_early(const std::exception& error) {
     log_.detail(error.what());
     tell_unused_options();
+    if (!has_folder()) return;
     try {
       recorder_.finish(comm_.any(interrupted) ? "stopped" : "failed", error.what(), seconds(), origin_);
       tell_where();
@@ -154,6 +166,7 @@ private:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
   void save() {
+    check_folder();
     recorder_.before_checkpoint();
     save_checkpoint((folder_ / checkpoint_name).string(), *world_, step_, recorder_, control_);
     step_.renew_solver();
@@ -205,6 +218,7 @@ private:
         recorder_.count_cut();
         continue;
       }
+      check_folder();
       step_.accept();
       if (result.stood_still) {
         ++n_still_;
@@ -380,6 +394,7 @@ private:
   std::chrono::steady_clock::time_point start_;
   Comm comm_;
   std::filesystem::path folder_;
+  const FolderLock& lock_;
   Origin origin_;
   std::unique_ptr<Log> open_log_;
   Log& log_;
@@ -401,7 +416,7 @@ private:
 
 /// A session that ends takes its runs along (SIGHUP), unless nohup said otherwise.
 void catch_signals() {
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP})
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGXCPU})
     if (std::signal(number, interrupt) == SIG_IGN && number == SIGHUP) std::signal(number, SIG_IGN);
 }
 
@@ -431,7 +446,7 @@ void run_case(Case spec, const RunOptions& given) {
     if (!options.replace_finished) refuse_finished(options.folder);
     remove_old_results(options.folder);
   });
-  Run run(std::move(spec), options, comm);
+  Run run(std::move(spec), options, lock, comm);
   run.go();
 }
 

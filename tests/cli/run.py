@@ -304,7 +304,7 @@ def stopped_by(number, *words):
 
 
 def signals():
-    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM, signal.SIGUSR1):
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGXCPU):
         if why := stopped_by(number):
             return why
     return stopped_by(signal.SIGHUP, "-n", "2", "--oversubscribe") or stopped_by(signal.SIGUSR1, "-n", "2", "--oversubscribe")
@@ -378,14 +378,35 @@ def full_and_closed_output():
 
 # ---- the case
 
+def mpi_that_does_not_start():
+    """Open MPI's own words are kept from the user: ours say how to see them."""
+    words = ("run", "case.toml", "-n", "2", "--oversubscribe", "--force")
+    return (wrong(berm(*words, env=os.environ | {"OMPI_MCA_btl": "foo"}), 1, "has not started the processes", "OMPI_MCA_orte_execute_quiet=0", "OMPI_MCA_btl=foo")
+            or wrong(berm(*words, env=os.environ | {"OMPI_MCA_btl": "foo", "OMPI_MCA_orte_execute_quiet": "0"}), 1, "Component: foo")
+            or wrong(berm(*words, "--set", "material.m.density=x"), 2, absent=["has not started"]))
+
+
+def folder_that_is_replaced():
+    """What has the name of the output folder during the run is not written to."""
+    pathlib.Path("long.toml").write_text(LONG)
+    process = begun("out/long", "run", "long.toml", "--quiet")
+    os.rename("out/long", "out/moved")
+    os.mkdir("other")
+    os.symlink("../other", "out/long")
+    why = wrong(end_of(process), 1, "out/long: something else has the name of the output folder now", "--restart")
+    return why or ("" if not files("other") else f"wrote {files('other')}")
+
+
 def options_of_petsc():
     for options in ("-log_view :F", "-ksp_view_mat binary:F", "-ksp_view_mat binary", "-options_file F", "-options_monitor", "-malloc_dump", "-info :F", "-ksp_monitor ascii:F",
-                    "-prefix_push x", "-mat_mumps_ooc_tmpdir F", "-ksp_type python", "F"):
+                    "-prefix_push x", "-mat_mumps_ooc_tmpdir F", "-ksp_type python", "-pc_bjacobi_blocks 1000000", "F"):
         if why := wrong(berm("run", "case.toml", text=CASE + f'[solver]\npetsc = "-ksp_rtol 1e-8 {options}"\n' if options != "F" else CASE + '[solver]\npetsc = "F"\n'),
                         2, 'case.toml:22:9: "petsc" in [solver]: "', "F" if options == "F" else "--allow-petsc-files"):
             return f"{options}: {why}"
     if "F" in files("."):
         return "wrote F"
+    if why := wrong(berm("run", "case.toml", "--force", text=CASE + '[solver]\npetsc = "-pc_type foo"\n'), 1, "PC type foo"):
+        return why
     misspelt = CASE + '[solver]\npetsc = "-ksp_view -ksp_rtl 1e-8"\n'
     return (wrong(berm("run", "case.toml", text=misspelt), 0, 'warning: case.toml:22:9: "petsc" in [solver]', "-ksp_rtl", absent=["for -ksp_view"])
             or wrong(berm("run", "case.toml", "--force", text=misspelt.replace("-ksp_rtl 1e-8", "::ascii_info_detail")), 0, absent=["nothing asked"])
@@ -548,7 +569,7 @@ def progress():
 
 
 TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
-         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
+         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
          little_memory, few_open_files, waits_for_nothing, tool_that_is_ended, odd_entries, progress]
 
 
