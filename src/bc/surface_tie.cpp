@@ -119,6 +119,18 @@ bool needs_tie(const Case& c, const Joint& joint, const std::function<bool(const
          !flows(c, joint.other) && std::any_of(joint.pieces.begin(), joint.pieces.end(), in_one_cell);
 }
 
+/// Bodies on two sides of a third one that is tied to both: in one layer the grid would join them through it where it is thin.
+void part_across(const std::vector<Joint>& joints, std::set<Pair>& apart) {
+  std::set<Pair> joined;
+  std::map<int, std::set<int>> tied_to;
+  for (const Joint& j : joints) joined.insert(std::minmax(j.body, j.other));
+  for (const auto& [a, b] : apart) tied_to[a].insert(b), tied_to[b].insert(a);
+  for (const auto& [middle, sides] : tied_to)
+    for (const int a : sides)
+      for (const int b : sides)
+        if (a < b && !joined.count({a, b})) apart.insert({a, b});
+}
+
 /// Of the penalty of a joint that no contact speaks of, in units of E / h.
 constexpr double tie_penalty = 500.0;
 /// Share of the penalty that differences of the gap within a pair of cells see: functions of cut cells cannot follow each
@@ -173,7 +185,8 @@ std::vector<int> layers_of_bodies(const Case& c, std::vector<Joint>& joints,
   const int n_fixed = layer.empty() ? 0 : *std::max_element(layer.begin(), layer.end());
   std::set<Pair> apart;
   for (const Joint& j : joints)
-    if (needs_tie(c, j, in_one_cell)) apart.insert({j.body, j.other});
+    if (needs_tie(c, j, in_one_cell)) apart.insert(std::minmax(j.body, j.other));
+  part_across(joints, apart);
   // Each body takes the first layer in which nothing is that it must be tied to.
   const std::vector<int> given = layer;
   for (int body = 0; body < static_cast<int>(layer.size()); ++body) {

@@ -351,7 +351,13 @@ void warn_of_missing_contacts(World& w) {
   if (c.method == Method::fem) return;
   const std::vector<int>& field = w.layers;
   std::set<std::pair<int, int>> kept_apart, meet;
-  for (const Joint& j : w.neighbours.joints) kept_apart.insert(std::minmax(field[j.body], field[j.other]));
+  std::map<int, std::set<int>> joined_to;  // fields, by body
+  for (const Joint& j : w.neighbours.joints) joined_to[j.body].insert(field[j.other]), joined_to[j.other].insert(field[j.body]);
+  for (const auto& [body, sides] : joined_to)
+    for (const int side : sides) {
+      kept_apart.insert(std::minmax(field[body], side));
+      for (const int other : sides) kept_apart.insert(std::minmax(other, side));  // by the body between them
+    }
   for (const Contact& contact : c.contacts) {
     if (contact.other.empty()) continue;
     const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];

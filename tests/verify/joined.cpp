@@ -83,6 +83,25 @@ TEST(Joined, BarsInSeries) {
   }
 }
 
+/// A layer of 0.4 cells between two stiff bars, pulled: in one layer of nodes these two were joined through it.
+TEST(Joined, ThinLayerBetweenBars) {
+  for (const char* functions : {"linear", "cpgimp", "b2gimp"}) {
+    double force = 0.0;
+    for (int k = 0; k < 10; ++k) {
+      const double x = 0.5 + 0.01 * k + 1e-4, thickness = 0.04, length = 1.0, height = 0.1, youngs = 1e9, soft = 1e7;
+      std::string text = bars(functions, x, elastic("soft", youngs, 0.0) + elastic("stiff", youngs, 0.0) + elastic("layer", soft, 0.0), 1);
+      const std::string second = box(x, 0.0, length, height);
+      text.replace(text.find(second), second.size(), box(x + thickness, 0.0, length, height));
+      Model model(text + "[body.layer]\nmaterial = \"layer\"\n" + box(x, 0.0, x + thickness, height));
+      ASSERT_TRUE(model.run());
+      const double right = 1e-3 * height / ((length - thickness) / youngs + thickness / soft);
+      force = std::max(force, relative(model.step.balance().reactions.boundary[1].x(), right));
+    }
+    EXPECT_LT(force, 0.01) << functions;
+    record({group, fmt::format("layer of 0.4 cells, E 1 : 100, between two bars, at ten places of a cell, {}: force", functions), force, "0", "0.01", "closed form"});
+  }
+}
+
 /// Concrete of 3 MPa behind a bar a tenth as stiff: nothing cracks before the whole section carries its strength. What comes
 /// then snaps back, and the run ends.
 TEST(Joined, ConcreteCracksAtItsStrength) {
