@@ -30,6 +30,13 @@ bool loads_from_the_start(const Case& c) {
          std::any_of(c.pressures.begin(), c.pressures.end(), [&](const Pressure& p) { return acts(p.value) || (p.traction && any_acts(*p.traction)); });
 }
 
+/// Whether a gauge can drive the run, and does not.
+bool scales_loads(const Case& c) {
+  return c.stages.size() == 1 && !c.is_dynamic() && !c.pressures.empty() && c.volumetric != Volumetric::mixed && c.control.kind != Control::Kind::gauge;
+}
+
+bool can_be_dynamic(const Case& c) { return c.control.kind != Control::Kind::gauge && c.volumetric != Volumetric::mixed; }
+
 }  // namespace
 
 std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
@@ -45,12 +52,14 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
                          "on the way goes nowhere in equilibrium. Let loads grow and go with the time t, or let the stage be dynamic",
                          stage.name);
   }
-  if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic()) {
-    const bool scales = c.stages.size() == 1 && !c.pressures.empty() && c.control.kind != Control::Kind::gauge;
+  if (loss.largest > jump && any_law(c, is_damage) && !c.is_dynamic() && can_be_dynamic(c)) {
     return fmt::format("most of it went in the step to time {:.6g}, where the structure snaps back: what it lets go of is in no equation of "
                        "equilibrium. Follow the motion with analysis = \"dynamic\"{}",
-                       loss.time, scales ? ", or drive the run with [control] kind = \"gauge\"" : "");
+                       loss.time, scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "");
   }
+  const auto is_clay = [](const AnyLaw& law) { return std::holds_alternative<ModifiedCamClay>(law); };
+  if (const Steps& steps = c.stages.front().steps; loss.largest > jump && loss.time <= 1.01 * steps.duration / steps.count && any_law(c, is_clay))
+    return "most of it went in the first step, from the pressure at which the material starts and which loads and supports do not hold";
   if (loss.first > at_once && !c.is_dynamic() && loads_from_the_start(c))
     return "loads that are there from the start do work that nothing stores: let them grow with the time t, as in \"1e5*t\"";
   std::string advice = "take smaller steps, or smaller cells";
@@ -61,6 +70,13 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
   return advice;
 }
 
+std::string advice_on_extrapolation(const Case& c, double error) {
+  constexpr double unstable = 0.1;  // of the strength, in the smallest step
+  if (c.is_dynamic() || !can_be_dynamic(c) || error < unstable) return "make steps.min_fraction smaller, with adaptive steps";
+  return "where the structure snaps back no step is small enough: follow the motion with analysis = \"dynamic\"" +
+         std::string(scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "") + "; else make steps.min_fraction smaller, with adaptive steps";
+}
+
 std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips) {
   std::vector<std::string> ways;
   const bool damage = any_law(c, is_damage), plastic = any_law(c, is_plastic);
@@ -68,10 +84,8 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips)
     ways.emplace_back("take [solver] integration = \"impl_ex\"");
     if (stage.solver.snap_back != Solver::SnapBack::impl_ex) ways.back() += " or snap_back = \"impl_ex\"";
   }
-  const bool scales = c.stages.size() == 1 && !c.is_dynamic() && !c.pressures.empty() && c.volumetric != Volumetric::mixed;
-  if (scales && c.control.kind != Control::Kind::gauge)
-    ways.emplace_back("drive the run with [control] kind = \"gauge\"");
-  if (stage.steps.analysis == Analysis::quasi_static && c.control.kind != Control::Kind::gauge && c.volumetric != Volumetric::mixed)
+  if (scales_loads(c)) ways.emplace_back("drive the run with [control] kind = \"gauge\"");
+  if (stage.steps.analysis == Analysis::quasi_static && can_be_dynamic(c))
     ways.emplace_back("follow the motion with analysis = \"dynamic\"");
   if (!slips || ways.empty()) ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
   const char* what = slips  ? "It would have to be held by something else"

@@ -19,6 +19,9 @@ struct EnergyLoss {
 };
 std::string advice_on_energy(const Case& c, const EnergyLoss& loss);
 
+/// Where a step of IMPL-EX that could not be cut was wrong by more than the tolerance [of the strength].
+std::string advice_on_extrapolation(const Case& c, double error);
+
 /// Where no equilibrium was found with the smallest step. `slips`: a contact is known to let a body go.
 std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips = false);
 

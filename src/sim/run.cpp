@@ -374,8 +374,8 @@ private:
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "
-                        "{:.2g}, and the step could not be cut: make steps.min_fraction smaller, with adaptive steps",
-                        value, tolerance));
+                        "{:.2g}, and the step could not be cut: {}",
+                        value, tolerance, advice_on_extrapolation(world_->spec, value)));
       if (const double share = value / world_->discretisation->cell_size();
           name == "contact_gap_scatter [m]" && share > coarse_gap)
         log_.warning(

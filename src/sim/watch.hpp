@@ -56,6 +56,7 @@ private:
   void look_now_and_then();
   void look_for_overlap();
   void look_for_meetings();
+  void look_for_lost_pressure();
   void look_for_swelling();
   void look_for_large_motion();
   void look_for_smeared_cracks();

@@ -153,6 +153,23 @@ uy = 0.0
 count = 10
 min_fraction = 0.05
 """
+CLAY = """
+model.gravity = [0.0, -9.81]
+[material.m]
+law = "modified_cam_clay"
+density = 1800.0
+reference_pressure = 50e3
+critical_state_slope = 1.0
+lambda_star = 0.05
+kappa_star = 0.01
+shear_modulus = 2e6
+preconsolidation_pressure = 100e3
+[boundary.right]
+where.box.min = [0.9999, -9.0]
+ux = 0.0
+[steps]
+count = 10
+"""
 WHOLE = "box = { min = [0.0, 0.0], max = [1.0, 0.2] }"
 NOTCHED = "difference = [ { " + WHOLE + " }, { box = { min = [0.5, 0.1], max = [0.6, 0.3] } } ]"
 UNIFORM_BAR = (BAR.replace("difference = [ { box = { min = [0.0, 0.0], max = [4.0, 0.2] } }, { box = { min = [1.9, 0.1], max = [2.0, 0.3] } } ]", WHOLE)
@@ -227,6 +244,10 @@ FAILURES = {
     "slides, soil": (GRID + SAND.replace("1e3", "1e6") + BLOCK + SLIDE, "the friction of [contact.c] is used up", ["stage.push.analysis=dynamic"]),
     "jumps over a snap-back": (BRITTLE + BAR, "where the structure snaps back", ["steps.analysis=dynamic", "boundary.right.ux=1e-4*t", "steps.count=50"]),
     "snaps back": (GRID + BRITTLE + BLOCK + BASE + TOP.replace("-0.001", "0.001") + "[steps]\nmin_fraction = 0.02\n", 'integration = "impl_ex"', ["solver.integration=impl_ex"]),
+    "jumps over a snap-back, IMPL-EX": (BRITTLE + BAR + '[solver]\nintegration = "impl_ex"\n', "where the structure snaps back no step is small enough",
+                                        ["steps.analysis=dynamic", "boundary.right.ux=1e-4*t", "steps.count=50"]),
+    "clay that nothing holds": (GRID + CLAY + BLOCK + ROLLERS, "starts at the reference_pressure", ['pressure.top={body="a",where={box={min=[-9.0,0.9999]}},value="5e+04 + 0*t"}']),
+    "clay that nothing holds, less": (GRID + CLAY + BLOCK + ROLLERS, "let it start at less", ["material.m.reference_pressure=2e3"]),
     "smeared crack": (BRITTLE + UNIFORM_BAR, "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
     "smeared crack, small strain": (BRITTLE + UNIFORM_BAR + 'model.kinematics = "small"\n', "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
     "smeared crack, three cells": (BRITTLE + THREE_CELLS, "cracks are smeared over", ["material.weak.tensile_strength=2.7e6"]),
