@@ -1,7 +1,9 @@
 #pragma once
 /// Plane stress for any law: the out-of-plane strain that makes stress zz vanish, and the condensed tangent.
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "law/law.hpp"
 
@@ -19,7 +21,8 @@ inline bool condense_zz(Voigt66& d) {
   return true;
 }
 
-/// Law::update with in.strain[ZZ] solved for such that |stress_zz| <= 1e-12 |stress|. `strain_zz`: first guess in (last
+/// Law::update with in.strain[ZZ] solved for such that |stress_zz| <= 1e-12 |stress|, or what rounding of the strain makes of it (close
+/// to Poisson's ratio 0.5 the more). `strain_zz`: first guess in (last
 /// converged value), solution out; left alone on failure. Laws with an elastic effective stress say the answer
 /// themselves
 /// (`free_strain_zz`), so that one evaluation is enough. The tangent comes condensed: row and column ZZ are zero.
@@ -38,7 +41,8 @@ Status update_plane_stress(const L& law, LawInput in, const double* old_state, d
   for (int i = 0; i < max_iterations; ++i) {
     const Status status = law.update(in, old_state, new_state, out);
     if (status != Status::ok) return status;
-    if (std::abs(out.stress[ZZ]) <= tolerance * out.stress.norm()) {
+    const double rounded = in.want_tangent ? 2.0 * std::numeric_limits<double>::epsilon() * std::abs(out.tangent(ZZ, ZZ)) * in.strain.norm() : 0.0;
+    if (std::abs(out.stress[ZZ]) <= std::max(tolerance * out.stress.norm(), rounded)) {
       if (want_tangent && !condense_zz(out.tangent)) return Status::not_converged;
       strain_zz = in.strain[ZZ];
       return Status::ok;
