@@ -10,9 +10,10 @@ int run_python(const std::string& module, const std::vector<std::string>& argume
   const char* path = std::getenv("PYTHONPATH");
   const std::string python_path = std::string(BERM_PYTHON_DIR) + (path ? std::string(":") + path : "");
   setenv("PYTHONPATH", python_path.c_str(), 1);
+  setenv("PYTHONSAFEPATH", "1", 1);  // else files of the user in the current folder would stand for Python's own: json.py, numbers.py
   // Debian's own interpreter has matplotlib and VTK; another one first in the PATH may not.
   const char* chosen = std::getenv("BERM_PYTHON");
-  const char* interpreter = chosen ? chosen : "/usr/bin/python3";
+  const char* interpreter = chosen && *chosen ? chosen : "/usr/bin/python3";
   // Python looks for its packages beside the name it is called by.
   std::vector<std::string> words = {interpreter, "-m", module};
   words.insert(words.end(), arguments.begin(), arguments.end());

@@ -35,7 +35,9 @@ LAWS = ("mohr_coulomb", "drucker_prager")
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m2": 1.0, "kN/m2": 1e3, "MN/m2": 1e6}
 STRESS |= {"N/mm2": 1e6, "kN/mm2": 1e9}
 ANGLE = {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi}
+TIME = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 NO_CUT_OFF = 1e30  # tensile_strength of a case without a tension cut-off
+LEAST_TOLERANCE = 1e-4
 GROWTH = 1.25  # of F while no run has failed
 
 
@@ -160,7 +162,9 @@ class Search:
     @staticmethod
     def duration(folder):
         with open(os.path.join(folder, "case.toml"), "rb") as file:
-            return float(tomllib.load(file).get("steps", {}).get("duration", 1.0))
+            case = tomllib.load(file)
+        stages = case.get("stage", {}).values() or [case.get("steps", {})]
+        return sum(quantity(stage.get("duration", 1.0), TIME, "duration") for stage in stages)
 
     def bracket(self):
         """(largest F that stands, smallest that fails), a step of GROWTH apart."""
@@ -232,6 +236,10 @@ def main(arguments=None):
     )
     parser.add_argument("--out", type=words.given, metavar="DIR", help="default: out/<name of the case>_safety")
     options = parser.parse_args(arguments)
+    if options.tolerance < LEAST_TOLERANCE:
+        parser.error(f"--tolerance must be at least {LEAST_TOLERANCE}: trials are told apart by four digits")
+    if not os.path.isfile(options.case):
+        parser.error(f"{options.case}: is not a file (every trial reads it)")
     end_runs_with_the_tool()
     name = os.path.splitext(os.path.basename(options.case))[0]
     try:

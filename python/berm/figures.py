@@ -3,14 +3,11 @@
 import math
 from dataclasses import dataclass
 
-import matplotlib
+import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.colors import LinearSegmentedColormap  # noqa: E402
-
-from berm.raster import paint  # noqa: E402
+from berm.plotting import plt  # before the rest of matplotlib
+from berm.raster import paint
+from matplotlib.colors import LinearSegmentedColormap
 
 DPI = 150
 RUN_COLOURS = ("#0b5394", "#c0504d", "#3a7d44", "#8e6bb0", "#b8860b", "#4f8a8b", "#7f4f24", "#5b5b5b")

@@ -48,9 +48,12 @@ def _wait_or_terminate(process, seconds=10.0):
 def run_case(berm, case, out, overrides, force):
     """Runs a case; returns its exit code and what it said to standard error. The program judges what is in the folder: without
     `force` it refuses the results of a run that came to its end, and it replaces nothing but what runs write."""
-    arguments = [berm, "run", case, "--out", out]
+    # A name that begins with - would be an option, or standard input.
+    arguments = [berm, "run", os.path.join(".", case) if case.startswith("-") else case, "--out", out]
     for override in overrides:
         arguments += ["--set", override]
+    if any("\0" in word for word in arguments):
+        raise ResultError(f"{case!r}, or an override of it, has a character that no command line can have")
     if force:
         arguments.append("--force")
     if _ended:

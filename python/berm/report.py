@@ -151,7 +151,7 @@ class Pictures:
         self.folder = folder
 
     def html(self, figure, name, alt, caption=""):
-        import matplotlib.pyplot as plt
+        from berm.figures import plt
 
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png")

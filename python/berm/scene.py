@@ -1,6 +1,8 @@
 """Where the bodies of a frame are in a picture: what all maps of that frame share."""
 
 import numpy as np
+
+import berm.plotting  # noqa: F401  before the rest of matplotlib
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 

@@ -7,6 +7,8 @@ import subprocess
 import sys
 
 import numpy as np
+
+import berm.plotting  # noqa: F401  before the rest of matplotlib
 from matplotlib.ticker import MaxNLocator
 
 from berm.body import Section, common_bounds, section_axes

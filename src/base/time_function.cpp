@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <muParser.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -38,6 +40,8 @@ TimeFunction::TimeFunction(const std::string& text) {
   expression->text = text;
   mu::Parser& parser = expression->parser;
   if (assigns(text)) throw std::invalid_argument(fmt::format("\"{}\": = means nothing here (equal is ==)", text));
+  if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
+    throw std::invalid_argument("an expression has a character that cannot be seen");
   bool constant = false;
   double value = 0.0;
   try {
@@ -51,7 +55,8 @@ TimeFunction::TimeFunction(const std::string& text) {
     constant = parser.GetUsedVar().empty();
     value = parser.Eval();
   } catch (const mu::Parser::exception_type& error) {
-    throw std::invalid_argument(fmt::format("\"{}\": {}", text, error.GetMsg()));
+    const bool no_words = error.GetCode() == mu::ecINTERNAL_ERROR;
+    throw std::invalid_argument(fmt::format("\"{}\": {}", text, no_words ? "is no expression: an operator, or a bracket, is too many" : error.GetMsg()));
   }
   if (parser.GetNumResults() != 1)
     throw std::invalid_argument(

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <sys/stat.h>
+
 #include <cerrno>
 #include <utility>
 
@@ -20,10 +22,18 @@ OutputFile::OutputFile(std::string path, bool append)
 
 void OutputFile::write(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) fail();
+  written_ += bytes.size();
 }
 
 void OutputFile::flush() {
   if (std::fflush(file_.get()) != 0) fail();
+}
+
+void OutputFile::check_unchanged() const {
+  struct stat own, there;
+  if (::fstat(::fileno(file_.get()), &own) != 0 || !S_ISREG(own.st_mode)) return;  // a device
+  const bool same = ::stat(path_.c_str(), &there) == 0 && there.st_ino == own.st_ino && static_cast<std::uintmax_t>(own.st_size) == written_;
+  if (!same) throw RunError(fmt::format("{}: something else has removed or changed this file during the run", path_));
 }
 
 void OutputFile::close() {

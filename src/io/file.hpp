@@ -2,6 +2,7 @@
 /// A file being written: every failure (no such folder, no permission, disk full) is a RunError that names the file.
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -22,6 +23,9 @@ public:
   /// Closes the file; a full disk may show only here. Throws RunError. The destructor closes silently.
   void close();
 
+  /// Throws RunError if something else has removed, replaced or changed the file since it was last flushed.
+  void check_unchanged() const;
+
   const std::string& path() const { return path_; }
 
 private:
@@ -31,6 +35,7 @@ private:
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   std::string path_;
+  std::uintmax_t written_ = 0;  ///< bytes
   std::unique_ptr<std::FILE, Closer> file_;
 };
 

@@ -55,6 +55,7 @@ void HistoryWriter::append(const std::vector<double>& row) {
   if (row.size() != n_columns_)
     throw std::invalid_argument(
         fmt::format("{}: a row of {} values for {} columns", file_.path(), row.size(), n_columns_));
+  file_.check_unchanged();
   file_.write(fmt::format("{}\n", fmt::join(row, ",")));
   file_.flush();
 }

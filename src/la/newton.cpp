@@ -6,10 +6,13 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <cstdlib>
+#include <array>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <span>
 #include <sstream>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/system_file.hpp"
@@ -62,6 +65,15 @@ void check_room() {
 
 }  // namespace
 
+/// Options of a run are in its case, where they are looked at: neither PETSC_OPTIONS nor a .petscrc in a folder add to them.
+void ignore_environment() {
+  if (const char* given = std::getenv("PETSC_OPTIONS"); given && *given) {
+    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
+    if (!rank || std::string_view(rank) == "0") std::fputs("warning: PETSC_OPTIONS in the environment is not read: [solver] petsc takes options\n", stderr);
+  }
+  unsetenv("PETSC_OPTIONS");
+}
+
 void start_petsc(const std::string& options) {
   // Threads inside the small dense blocks of a sparse factorisation cost more than they bring (2D, up to 1e5 unknowns).
   if (!std::getenv("OPENBLAS_NUM_THREADS"))
@@ -79,7 +91,11 @@ void start_petsc(const std::string& options) {
     raise_limit_of_open_files(64);  // Open MPI takes some 20 and has no words for too few of them, the files of a run are a dozen
     struct sigaction quit {};
     sigaction(SIGQUIT, nullptr, &quit);
-    check_petsc(PetscInitializeNoArguments(), "start");
+    ignore_environment();
+    int n_words = 2;
+    std::array<char*, 3> words = {const_cast<char*>("berm"), const_cast<char*>("-skip_petscrc"), nullptr};
+    char** argv = words.data();
+    check_petsc(PetscInitialize(&n_words, &argv, nullptr, nullptr), "start");
     sigaction(SIGQUIT, &quit, nullptr);  // PETSc has words of its own for it
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
     // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file

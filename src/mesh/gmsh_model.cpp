@@ -307,7 +307,7 @@ Mesh with_gmsh(const std::string& subject, const std::function<Mesh()>& work) {
   static Session session;
   const auto failure = [&](const std::string& message) {
     session.restart();
-    return InputError(fmt::format("{}: {}", subject, message.empty() ? "Gmsh gave up without a message" : message));
+    return InputError(fmt::format("{}: {}", subject, message.find_first_not_of(" \t\n") == message.npos ? "Gmsh gave up without a message" : message));
   };
   try {
     gmsh::clear();

@@ -11,6 +11,10 @@ namespace berm {
 
 std::string place_text(const Case& c, const Vec3& x) { return place_text(c.origin + x, c.dimension()); }
 
+std::string key_of_steps(const Stage& stage, const char* key) {
+  return stage.name.empty() ? fmt::format("steps.{}", key) : fmt::format("stage.{}.{}", stage.name, key);
+}
+
 namespace {
 
 /// Loads that vary from place to place may be there in a part of a body only: a few places stand for it.
@@ -42,8 +46,8 @@ bool can_be_dynamic(const Case& c) { return c.control.kind != Control::Kind::gau
 std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
   constexpr double at_once = 0.3, jump = 0.5;
   if (loss.extrapolated)
-    return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below steps.error_tolerance (see the "
-           "warning on it), or take integration = \"implicit\"";
+    return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below " + key_of_steps(c.stages.back(), "error_tolerance") +
+           " (see the warning on it), or take integration = \"implicit\"";
   for (std::size_t k = 1; k < c.stages.size(); ++k) {
     const Stage& stage = c.stages[k];
     const bool first = loss.time > stage.begin && loss.time <= stage.begin + 1.01 * stage.steps.duration / stage.steps.count;
@@ -72,9 +76,10 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
 
 std::string advice_on_extrapolation(const Case& c, double error) {
   constexpr double unstable = 0.1;  // of the strength, in the smallest step
-  if (c.is_dynamic() || !can_be_dynamic(c) || error < unstable) return "make steps.min_fraction smaller, with adaptive steps";
+  const std::string smaller = "make " + key_of_steps(c.stages.back(), "min_fraction") + " smaller, with adaptive steps";
+  if (c.is_dynamic() || !can_be_dynamic(c) || error < unstable) return smaller;
   return "where the structure snaps back no step is small enough: follow the motion with analysis = \"dynamic\"" +
-         std::string(scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "") + "; else make steps.min_fraction smaller, with adaptive steps";
+         std::string(scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "") + "; else " + smaller;
 }
 
 std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips) {
@@ -87,7 +92,7 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips)
   if (scales_loads(c)) ways.emplace_back("drive the run with [control] kind = \"gauge\"");
   if (stage.steps.analysis == Analysis::quasi_static && can_be_dynamic(c))
     ways.emplace_back("follow the motion with analysis = \"dynamic\"");
-  if (!slips || ways.empty()) ways.emplace_back("allow smaller steps (steps.count, steps.min_fraction)");
+  if (!slips || ways.empty()) ways.emplace_back(fmt::format("allow smaller steps ({}, {})", key_of_steps(stage, "count"), key_of_steps(stage, "min_fraction")));
   const char* what = slips  ? "It would have to be held by something else"
                      : damage ? "The structure snaps back or collapses here"
                      : plastic ? "The load is more than can be borne, or contact or supports let go"

@@ -10,6 +10,9 @@ namespace berm {
 /// A place in the user's coordinates.
 std::string place_text(const Case& c, const Vec3& x);
 
+/// A key of [steps], or of the stage's own table: "stage.flood.count".
+std::string key_of_steps(const Stage& stage, const char* key);
+
 /// When the balance of energy went off.
 struct EnergyLoss {
   double first = 0.0;    ///< error of the first step [-]

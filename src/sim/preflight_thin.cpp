@@ -53,6 +53,18 @@ bool bends_as_it_should(const World& w, int body) {
   return c.shape_functions == ShapeFunctions::quadratic_bspline || c.shape_functions == ShapeFunctions::cubic_bspline || c.shape_functions == ShapeFunctions::b2gimp;
 }
 
+/// As far as they matter here. Elements are as long as the pieces of the surface are, up to where a body needs longer ones alone.
+double width_of_cells(const World& w, const std::vector<SurfacePoint>& surface) {
+  constexpr double longer = 4.0;
+  const double longest = longest_edge(w.discretisation->mesh());
+  if (w.spec.method == Method::mpm || surface.empty()) return longest;
+  std::vector<double> sizes;
+  for (const SurfacePoint& s : surface) sizes.push_back(s.size);
+  const auto middle = sizes.begin() + sizes.size() / 2;
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return std::min(longest, longer * *middle);
+}
+
 /// A place where a body is thin.
 struct Thin {
   Vec3 at, normal;
@@ -83,7 +95,7 @@ bool is_slice(const World& w, const std::vector<const Thin*>& part) {
 
 void note_thin_parts(World& w, const std::vector<SurfacePoint>& surface) {
   const auto [enough, excess] = bending_of(w);
-  const double reach = enough * longest_edge(w.discretisation->mesh());
+  const double reach = enough * width_of_cells(w, surface);
   const PieceBins bins(surface, reach);
   std::vector<std::vector<Thin>> thin(w.spec.bodies.size());
   for (const SurfacePoint& s : surface) {

@@ -350,8 +350,8 @@ private:
     const double a_period = *middle;
     if (a_period < few)
       log_.info(fmt::format("steps in motion      are long: half of them have less than {:.2g} a period of what moves, which damps it or shifts its phase. Where that "
-                            "matters take {:.2g} times as many (steps.count), or [dynamics] error_tolerance = 0.005",
-                            a_period, good / a_period));
+                            "matters take {:.2g} times as many ({}), or [dynamics] error_tolerance = 0.005",
+                            a_period, good / a_period, key_of_steps(world_->spec.stages.back(), "count")));
   }
 
   void tell_unused_options() {
@@ -373,9 +373,9 @@ private:
                                  advice_on_energy(world_->spec, loss)));
       if (name == "extrapolation_error [-]" && value > tolerance)
         log_.warning(
-            fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where steps.error_tolerance is "
+            fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where {} is "
                         "{:.2g}, and the step could not be cut: {}",
-                        value, tolerance, advice_on_extrapolation(world_->spec, value)));
+                        value, key_of_steps(world_->spec.stages.back(), "error_tolerance"), tolerance, advice_on_extrapolation(world_->spec, value)));
       if (const double share = value / world_->discretisation->cell_size();
           name == "contact_gap_scatter [m]" && share > coarse_gap)
         log_.warning(

@@ -16,6 +16,7 @@
 #include "fem/fem.hpp"
 #include "la/newton.hpp"
 #include "law/kinds.hpp"
+#include "mesh/gmsh_ends.hpp"
 #include "mesh/gmsh.hpp"
 #include "method/depth.hpp"
 #include "sim/advice.hpp"
@@ -69,7 +70,10 @@ Mesh read_mesh(const Case& c, const std::string& file) {
 
 /// Calls f; what is wrong with a shape or a mesh names its body.
 template <class F>
-auto of_body(const Body& body, F f) {
+auto of_body(const Case& c, const Body& body, F f) {
+  const SayIfGmshEnds words(with_places(c, fmt::format("[body.{}]: Gmsh cannot mesh it: parts of its boundary are nearer to each other than Gmsh can tell apart, or it has next to "
+                                                       "no thickness. Close or widen what is narrow",
+                                                       body.name)));
   try {
     return f();
   } catch (const InputError& error) {
@@ -77,12 +81,12 @@ auto of_body(const Body& body, F f) {
   }
 }
 
-Region region_of(const Body& body, double cell_size) {
-  return of_body(body, [&] { return Region(*body.shape, cell_size); });
+Region region_of(const Case& c, const Body& body, double cell_size) {
+  return of_body(c, body, [&] { return Region(*body.shape, cell_size); });
 }
 
 Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) {
-  if (body.mesh_file.empty()) return of_body(body, [&] { return mesh_shape(*body.shape, options); });
+  if (body.mesh_file.empty()) return of_body(c, body, [&] { return mesh_shape(*body.shape, options); });
   Mesh mesh = extract_group(read_mesh(c, body.mesh_file), body.mesh_group, body.mesh_file);
   if (const auto found = overlapping_cells(mesh))
     throw InputError(fmt::format("[body.{}]: two elements of {} lie in one another near {}: what is there would count twice. Mesh the body again, or leave one of them out",
@@ -98,11 +102,11 @@ double surface_points_per_cell(const Case& c) { return c.dimension() == 3 ? 3.0 
 constexpr double rim_width = 0.55;
 
 /// Name and kind; the measure too if the body is rigid, since nothing else will tell.
-BodySummary summary_of(const Body& body, double cell_size) {
+BodySummary summary_of(const Case& c, const Body& body, double cell_size) {
   BodySummary summary;
   summary.name = body.name;
   summary.rigid = body.rigid;
-  if (body.rigid) summary.measure = region_of(body, cell_size).measure();
+  if (body.rigid) summary.measure = region_of(c, body, cell_size).measure();
   return summary;
 }
 
@@ -219,7 +223,7 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   const Body& body = c.bodies[index];
   const double h = mpm.cell_size(), spacing = h / surface_points_per_cell(c);
   std::vector<SurfacePoint>& surface = built.surface;
-  BodySummary summary = summary_of(body, h);
+  BodySummary summary = summary_of(c, body, h);
   if (body.rigid) {
     w.bodies.push_back(summary);
     return;
@@ -230,18 +234,18 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
   double farthest = 0.0;  // points of a mesh from each other
   if (body.points.kind == PointSeeding::Kind::mesh || !body.mesh_file.empty()) {
     const Mesh mesh = body_mesh(c, body, body.points.mesh);
-    points = of_body(body, [&] { return seed_from_mesh(mesh, body.points.per_element); });
+    points = of_body(c, body, [&] { return seed_from_mesh(mesh, body.points.per_element); });
     summary.elements = mesh.n_cells();
     farthest = longest_edge(mesh);
     if (body.shape) {
-      const Region region = region_of(body, h);
+      const Region region = region_of(c, body, h);
       fit_to_cells(points, region, mpm.grid());
       add_surface_of_shape(c, index, region, spacing, surface);
     } else {
       add_surface_of_mesh(c, index, mesh, spacing, surface);
     }
   } else {
-    const Region region = region_of(body, h);
+    const Region region = region_of(c, body, h);
     PointSeeding seeding = body.points;
     if (has_domains(c.shape_functions)) seeding.placement = PointSeeding::Placement::uniform;
     points = seed_from_grid(region, boxes ? *boxes : mpm.grid(), seeding, body.name);
@@ -309,7 +313,7 @@ void build_fem(World& w, BuiltBodies& built) {
     const Mesh mesh = body_mesh(c, body, body.mesh);
     fem->add_body(index, body.name, material, mesh, c.thickness);
     if (!body.mesh_file.empty()) tell_seams(w, body.name, mesh);
-    BodySummary summary = summary_of(body, fem->cell_size());
+    BodySummary summary = summary_of(c, body, fem->cell_size());
     std::vector<Vec3> centres;
     std::vector<double> measures;
     for (int e = 0; e < mesh.n_cells(); ++e) {
@@ -326,7 +330,7 @@ void build_fem(World& w, BuiltBodies& built) {
     w.bodies.push_back(summary);
   }
   for (const Body& body : c.bodies)
-    if (body.rigid) w.bodies.push_back(summary_of(body, fem->cell_size()));
+    if (body.rigid) w.bodies.push_back(summary_of(c, body, fem->cell_size()));
   Findings found;
   found.look([&] { refuse_overlaps(c, built, fem->cell_size()); });
   found.look([&] { w.neighbours = find_neighbours(c, surface, fem->cell_size()); });

@@ -397,6 +397,37 @@ def folder_that_is_replaced():
     return why or ("" if not files("other") else f"wrote {files('other')}")
 
 
+def emptied_folder():
+    """Results that something else removes during a run are missed."""
+    pathlib.Path("long.toml").write_text(LONG)
+    process = begun("out/long", "run", "long.toml", "--quiet")
+    pathlib.Path("out/long/history.csv").unlink()
+    return wrong(end_of(process), 1, "out/long/history.csv: something else has removed or changed this file")
+
+
+def environment_of_others():
+    """Settings of PETSc, Python and matplotlib in the folder or the environment are not those of a run."""
+    os.mkfifo(".petscrc")
+    os.mkfifo("matplotlibrc")
+    for name in ("json", "numbers", "csv", "berm"):
+        pathlib.Path(f"{name}.py").write_text("raise RuntimeError('not ours')\n")
+    odd = os.environ | {"PETSC_OPTIONS": "-fp_trap -options_file /nonexistent", "MPLBACKEND": "none", "BERM_PYTHON": ""}
+    return (wrong(berm("run", "case.toml", timeout=60, env=odd), 0, "warning: PETSC_OPTIONS in the environment is not read")
+            or wrong(berm("run", "case.toml", "--force", "-n", "2", "--oversubscribe", timeout=60, env=odd), 0)
+            or wrong(berm("report", "out/case", timeout=100, env=odd), 0))
+
+
+def boundary_too_narrow():
+    """Gmsh throws through its parallel regions."""
+    narrow = CASE.replace("max = [1.0, 1.0] }", 'max = [1.0, 0.000000000001] }\nmesh = { kind = "triangles", size = 0.02 }', 1)
+    return wrong(berm("check", "case.toml", "--set", "method=fem", text=narrow), 2, "case.toml:10:7: [body.a]: Gmsh cannot mesh it")
+
+
+def factors_without_end():
+    return (wrong(berm("factor_of_safety", "case.toml", "--tolerance", "1e-18", timeout=60), 2, "--tolerance must be at least 0.0001")
+            or wrong(berm("factor_of_safety", "-", timeout=60), 2, "-: is not a file"))
+
+
 def options_of_petsc():
     for options in ("-log_view :F", "-ksp_view_mat binary:F", "-ksp_view_mat binary", "-options_file F", "-options_monitor", "-malloc_dump", "-info :F", "-ksp_monitor ascii:F",
                     "-prefix_push x", "-mat_mumps_ooc_tmpdir F", "-ksp_type python", "-pc_bjacobi_blocks 1000000", "F"):
@@ -569,7 +600,7 @@ def progress():
 
 
 TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
-         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
+         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, emptied_folder, environment_of_others, boundary_too_narrow, factors_without_end, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
          little_memory, few_open_files, waits_for_nothing, tool_that_is_ended, odd_entries, progress]
 
 
