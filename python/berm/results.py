@@ -395,6 +395,8 @@ class Run:
         self.path = os.fspath(path)
         history = os.path.join(self.path, "history.csv")
         if not os.path.isfile(history):
+            if os.path.isdir(self.path) and not os.access(self.path, os.R_OK | os.X_OK):
+                raise ResultError(f"{self.path} cannot be read: permission denied")
             raise ResultError(
                 f"{self.path} holds no history.csv: not the output folder of a run, or the run never started"
             )

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -35,12 +37,13 @@ std::optional<std::string> read_text(const std::string& path, const Place& place
     return std::nullopt;
   }
   std::ifstream in(path, std::ios::binary);
+  const std::string why = in ? "" : fmt::format(": {}", std::strerror(errno));
   try {  // files of /proc say only here that they cannot be read
     std::string text{std::istreambuf_iterator<char>(in), {}};
     if (in) return text;
   } catch (const std::ios_base::failure&) {
   }
-  problems.error(place, fmt::format("case file \"{}\" cannot be read", path));
+  problems.error(place, fmt::format("case file \"{}\" cannot be read{}", path, why));
   return std::nullopt;
 }
 

@@ -420,7 +420,7 @@ def environment_of_others():
 def boundary_too_narrow():
     """Gmsh throws through its parallel regions."""
     narrow = CASE.replace("max = [1.0, 1.0] }", 'max = [1.0, 0.000000000001] }\nmesh = { kind = "triangles", size = 0.02 }', 1)
-    return wrong(berm("check", "case.toml", "--set", "method=fem", text=narrow), 2, "case.toml:10:7: [body.a]: Gmsh cannot mesh it")
+    return wrong(berm("check", "case.toml", "--set", "method=fem", text=narrow), 2, "case.toml:9:7: [body.a]: Gmsh cannot mesh it")
 
 
 def factors_without_end():
