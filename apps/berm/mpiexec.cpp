@@ -63,7 +63,7 @@ void pass_on(int) {
 void become_ready() {
   sigset_t ours, before;
   sigemptyset(&ours);
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP}) sigaddset(&ours, number);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGXCPU}) sigaddset(&ours, number);
   sigprocmask(SIG_BLOCK, &ours, &before);
   ready = 1;
   if (signals == 1) kill(mpiexec, SIGUSR1);
@@ -216,8 +216,9 @@ std::string settings_of_mpi() {
 
 /// Open MPI's own words are left out (quiet_variable), also where it cannot start.
 void say_not_begun(const std::string& settings) {
-  say_error(fmt::format("berm: Open MPI has not started the processes. The same with {}=0 in the environment shows why{}", quiet_variable,
-                        settings.empty() ? "" : fmt::format("; it also holds {}", settings)));
+  const bool told = settings.find(quiet_variable) != settings.npos;
+  say_error(fmt::format("berm: Open MPI has not started the processes{}{}", told ? "" : fmt::format(". The same with {}=0 in the environment shows why", quiet_variable),
+                        settings.empty() ? "" : fmt::format("; the environment holds {}", settings)));
 }
 
 }  // namespace
@@ -272,7 +273,7 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
     return failed;
   }
   mpiexec = child;
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) handle(number);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGXCPU}) handle(number);
   if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(SIGHUP);  // nohup
   const bool begun = pass_on_words(out[0]);
   int status = 0;

@@ -25,7 +25,7 @@ std::string own_path();
 void check_processes(int ranks, bool oversubscribe);
 
 /// Runs `mpiexec -n ranks berm ...` with the same arguments and returns its exit code; `input` is what the first process reads
-/// from standard input. SIGINT, SIGTERM and SIGHUP become SIGUSR1, which mpiexec passes on at once and for which the processes
+/// from standard input. SIGINT, SIGTERM, SIGHUP and SIGXCPU become SIGUSR1, which mpiexec passes on at once and for which the processes
 /// end in good order; one that comes before they listen (say_ready) waits, a second one ends them as they are. Throws RunError
 /// if mpiexec cannot work here.
 int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, const std::string& input);

@@ -8,7 +8,7 @@
 
 int run_python(const std::string& module, const std::vector<std::string>& arguments) {
   const char* path = std::getenv("PYTHONPATH");
-  const std::string python_path = std::string(BERM_PYTHON_DIR) + (path ? std::string(":") + path : "");
+  const std::string python_path = std::string(BERM_PYTHON_DIR) + (path && *path ? std::string(":") + path : "");
   setenv("PYTHONPATH", python_path.c_str(), 1);
   setenv("PYTHONSAFEPATH", "1", 1);  // else files of the user in the current folder would stand for Python's own: json.py, numbers.py
   // Debian's own interpreter has matplotlib and VTK; another one first in the PATH may not.

@@ -4,7 +4,7 @@ import os
 
 os.environ["MPLBACKEND"] = "agg"
 # The file of the current folder counts before all others.
-_here = os.open(".", os.O_RDONLY)
+_here = os.open(".", os.O_PATH)
 os.chdir(os.path.dirname(os.path.abspath(__file__)))
 try:
     import matplotlib.pyplot as plt

@@ -16,6 +16,9 @@ void raise_limit_of_open_files(unsigned long needed);
 
 std::string host_name();
 
+/// Of several processes that an mpiexec has started, the one that speaks; true without one. Known before MPI has begun.
+bool is_first_process();
+
 /// The words of the operating system for an errno and, where there is one, what to do.
 std::string system_reason(int error);
 

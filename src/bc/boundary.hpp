@@ -57,6 +57,8 @@ public:
     kept_closed_ = gap;
     grid_contact_.keep_closed(gap);
   }
+  /// Of the matrix alone: what slides along a rigid body resists its slip by that share of the stiffness of contact [-].
+  void resist_sliding(double share) { sliding_spring_ = share; }
   /// Pin and contact forces that resist du, added to f; their matrix, if wanted.
   void add_forces(const Discretisation& d, const NodalVector& du, double t0, double t1, NodalVector& f,
                   BlockAssembler* matrix) const;
@@ -229,6 +231,7 @@ private:
   std::vector<Vec3> rigid_offset_;  ///< displacement of the rigid bodies at t_n, by case body
   std::vector<Anchor*> anchors_;
   double kept_closed_ = none_closed;
+  double sliding_spring_ = 0.0;
   std::vector<std::string> warnings_;
 
   std::string stage_;

@@ -121,11 +121,6 @@ bool BoundaryConditions::acts_on_something(int rigid_body) const {
   return false;
 }
 
-/// A place that slides resists no motion along its slip. Where all places of a body slide, some this way and some that, as under a
-/// disc that spreads between platens, the body has a motion that nothing resists until some of them turn round, and Newton's method
-/// leaps along it. So the tangent, and it alone, has a weak spring there: a share of the stiffness of contact [-].
-constexpr double spring_of_sliding = 1e-5;
-
 /// Tie: f = -k s. Unilateral: f = -k g n while g < 0, plus -k s_t without slip, and with friction what Coulomb's cone
 /// lets through of that.   [boundaries (3), (4), (10), (11)]
 BoundaryConditions::ContactForce BoundaryConditions::contact_force(const ContactPoint& point, const NodalVector& du,
@@ -158,7 +153,7 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   const double before = spec.friction * std::max(0.0, -point.gap);
   ContactForce sliding{push - k * limit * direction, k * nn, true, limit * direction};
   sliding.stiffness += k * (limit / size) * (tangential - direction * direction.transpose());
-  sliding.stiffness += spring_of_sliding * k * direction * direction.transpose();
+  sliding.stiffness += sliding_spring_ * k * direction * direction.transpose();
   if (gap < 0.0) sliding.stiffness -= k * spec.friction * (direction * point.normal.transpose());
   sliding.heat = 0.5 * k * (before + limit) * (size - limit);
   return sliding;

@@ -119,16 +119,38 @@ bool needs_tie(const Case& c, const Joint& joint, const std::function<bool(const
          !flows(c, joint.other) && std::any_of(joint.pieces.begin(), joint.pieces.end(), in_one_cell);
 }
 
-/// Bodies on two sides of a third one that is tied to both: in one layer the grid would join them through it where it is thin.
-void part_across(const std::vector<Joint>& joints, std::set<Pair>& apart) {
-  std::set<Pair> joined;
-  std::map<int, std::set<int>> tied_to;
-  for (const Joint& j : joints) joined.insert(std::minmax(j.body, j.other));
-  for (const auto& [a, b] : apart) tied_to[a].insert(b), tied_to[b].insert(a);
-  for (const auto& [middle, sides] : tied_to)
-    for (const int a : sides)
-      for (const int b : sides)
-        if (a < b && !joined.count({a, b})) apart.insert({a, b});
+/// Bodies on two sides of a third one that is tied to both and thinner there than what the grid tells apart: in one layer it would
+/// join them. Soil that flows keeps the nodes that it shares with other soil.
+std::set<Pair> parted_by_a_thin_body(const Case& c, const std::vector<Joint>& joints, const std::set<Pair>& tied, double thin) {
+  constexpr double opposite = -0.5;
+  struct Side {
+    std::vector<SurfacePoint> pieces;  // of the surface of the body between
+    std::vector<int> body;
+  };
+  std::map<int, Side> sides;  // by the body between
+  std::set<Pair> joined, parted;
+  for (const Joint& j : joints) {
+    joined.insert(std::minmax(j.body, j.other));
+    if (!tied.count(std::minmax(j.body, j.other))) continue;
+    for (const auto& [middle, other, sign] : {std::tuple(j.body, j.other, 1.0), std::tuple(j.other, j.body, -1.0)})
+      for (SurfacePoint s : j.pieces) {
+        s.normal *= sign;
+        sides[middle].pieces.push_back(s), sides[middle].body.push_back(other);
+      }
+  }
+  for (const auto& [middle, side] : sides) {
+    const PieceBins bins(side.pieces, thin);
+    for (std::size_t i = 0; i < side.pieces.size(); ++i)
+      bins.for_near(side.pieces[i].X, [&](int k) {
+        const SurfacePoint &s = side.pieces[i], &t = side.pieces[k];
+        const int a = side.body[i], b = side.body[k];
+        if (a >= b || s.normal.dot(t.normal) > opposite || flows(c, a) || flows(c, b) || joined.count({a, b})) return;
+        const Vec3 way = t.X - s.X;
+        const double through = -way.dot(s.normal);
+        if (through > 0.0 && through < thin && (way + through * s.normal).norm() <= s.size + t.size) parted.insert({a, b});
+      });
+  }
+  return parted;
 }
 
 /// Of the penalty of a joint that no contact speaks of, in units of E / h.
@@ -179,14 +201,16 @@ Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surfa
   return found;
 }
 
-std::vector<int> layers_of_bodies(const Case& c, std::vector<Joint>& joints,
+std::vector<int> layers_of_bodies(const Case& c, Neighbours& neighbours, double thin,
                                   const std::function<bool(const SurfacePoint&)>& in_one_cell) {
+  std::vector<Joint>& joints = neighbours.joints;
   std::vector<int> layer = fields_of_bodies(c);
   const int n_fixed = layer.empty() ? 0 : *std::max_element(layer.begin(), layer.end());
   std::set<Pair> apart;
   for (const Joint& j : joints)
     if (needs_tie(c, j, in_one_cell)) apart.insert(std::minmax(j.body, j.other));
-  part_across(joints, apart);
+  neighbours.parted = parted_by_a_thin_body(c, joints, apart, thin);
+  apart.insert(neighbours.parted.begin(), neighbours.parted.end());
   // Each body takes the first layer in which nothing is that it must be tied to.
   const std::vector<int> given = layer;
   for (int body = 0; body < static_cast<int>(layer.size()); ++body) {

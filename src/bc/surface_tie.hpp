@@ -29,6 +29,7 @@ struct Neighbours {
   std::set<std::pair<int, int>> touching;             ///< all that touch, also at a vertex, but for a hundredth of a cell
   std::set<std::pair<int, int>> apart;                ///< more than a tenth of a cell, and a contact names them
   std::set<std::pair<int, int>> in_a_corner;          ///< that touch at a corner or an edge only, and no contact names them
+  std::set<std::pair<int, int>> parted;               ///< by a thin body that is tied to both: with nodes of their own (layers_of_bodies)
   std::map<std::pair<int, int>, double> nearly;       ///< less than a tenth of a cell apart, and no contact names them [m]
 };
 
@@ -36,9 +37,9 @@ struct Neighbours {
 Neighbours find_neighbours(const Case& c, const std::vector<SurfacePoint>& surface, double size);
 
 /// Layers of the grid's nodes, by body: those of fields_of_bodies(), and more for bodies that a tie must join. Joints
-/// within a layer become shared nodes. `in_one_cell`: whether the material on both sides of a piece lies in one cell, so
+/// within a layer become shared nodes. `thin`: what the grid's functions do not tell apart [m]; `in_one_cell`: whether the material on both sides of a piece lies in one cell, so
 /// that the grid's functions cannot follow both.   [contact, "Bodies that stay together"]
-std::vector<int> layers_of_bodies(const Case& c, std::vector<Joint>& joints,
+std::vector<int> layers_of_bodies(const Case& c, Neighbours& neighbours, double thin,
                                   const std::function<bool(const SurfacePoint&)>& in_one_cell);
 
 /// A surface point of one body, tied to the place of the other that it touches at the start.

@@ -32,8 +32,11 @@ void OutputFile::flush() {
 void OutputFile::check_unchanged() const {
   struct stat own, there;
   if (::fstat(::fileno(file_.get()), &own) != 0 || !S_ISREG(own.st_mode)) return;  // a device
-  const bool same = ::stat(path_.c_str(), &there) == 0 && there.st_ino == own.st_ino && static_cast<std::uintmax_t>(own.st_size) == written_;
-  if (!same) throw RunError(fmt::format("{}: something else has removed or changed this file during the run", path_));
+  const bool same = ::stat(path_.c_str(), &there) == 0 && there.st_ino == own.st_ino && static_cast<std::uintmax_t>(own.st_size) >= written_;
+  if (!same)
+    throw RunError(fmt::format("{}: something else has removed, replaced or cut this file during the run: leave the folder alone until its end, or read copies; "
+                               "--restart goes on from a checkpoint",
+                               path_));
 }
 
 void OutputFile::close() {

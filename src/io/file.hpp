@@ -23,7 +23,8 @@ public:
   /// Closes the file; a full disk may show only here. Throws RunError. The destructor closes silently.
   void close();
 
-  /// Throws RunError if something else has removed, replaced or changed the file since it was last flushed.
+  /// Throws RunError if something else has removed, replaced or cut the file since it was last flushed. Not of files that are
+  /// appended to.
   void check_unchanged() const;
 
   const std::string& path() const { return path_; }

@@ -6,13 +6,11 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
 #include <sstream>
-#include <string_view>
 
 #include "base/error.hpp"
 #include "base/system_file.hpp"
@@ -63,16 +61,16 @@ void check_room() {
   had = true;
 }
 
-}  // namespace
-
-/// Options of a run are in its case, where they are looked at: neither PETSC_OPTIONS nor a .petscrc in a folder add to them.
+/// Options of a run are in its case, where they are looked at: neither the environment nor a .petscrc in a folder adds to them.
 void ignore_environment() {
-  if (const char* given = std::getenv("PETSC_OPTIONS"); given && *given) {
-    const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
-    if (!rank || std::string_view(rank) == "0") std::fputs("warning: PETSC_OPTIONS in the environment is not read: [solver] petsc takes options\n", stderr);
+  for (const char* name : {"PETSC_OPTIONS", "PETSC_OPTIONS_YAML"}) {
+    if (const char* given = std::getenv(name); given && *given && is_first_process())
+      std::fputs(fmt::format("warning: {} in the environment is not read: [solver] petsc takes options\n", name).c_str(), stderr);
+    unsetenv(name);
   }
-  unsetenv("PETSC_OPTIONS");
 }
+
+}  // namespace
 
 void start_petsc(const std::string& options) {
   // Threads inside the small dense blocks of a sparse factorisation cost more than they bring (2D, up to 1e5 unknowns).
@@ -92,9 +90,10 @@ void start_petsc(const std::string& options) {
     struct sigaction quit {};
     sigaction(SIGQUIT, nullptr, &quit);
     ignore_environment();
-    int n_words = 2;
-    std::array<char*, 3> words = {const_cast<char*>("berm"), const_cast<char*>("-skip_petscrc"), nullptr};
-    char** argv = words.data();
+    static char name[] = "berm", no_file[] = "-skip_petscrc";
+    static char* words[] = {name, no_file, nullptr};  // PETSc keeps them
+    static int n_words = 2;
+    static char** argv = words;
     check_petsc(PetscInitialize(&n_words, &argv, nullptr, nullptr), "start");
     sigaction(SIGQUIT, &quit, nullptr);  // PETSc has words of its own for it
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);

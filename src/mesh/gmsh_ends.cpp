@@ -2,20 +2,34 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <string_view>
+#include <exception>
+#include <new>
 #include <utility>
+
+#include "base/system_file.hpp"
 
 namespace berm {
 namespace {
 
-constexpr int bad_input = 2;  // as main() has it
+constexpr int failed = 1, bad_input = 2;  // as main() has it
 std::string last_words;
 
-/// All processes come to the same end.
+bool memory_is_out() {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    return true;
+  } catch (...) {
+  }
+  return false;
+}
+
+/// A boundary is the same for all processes; memory may be out on one of them.
 [[noreturn]] void end() {
-  const char* rank = std::getenv("OMPI_COMM_WORLD_RANK");
-  if (!rank || std::string_view(rank) == "0") std::fputs((last_words + "\n").c_str(), stderr);
-  std::_Exit(bad_input);
+  const bool memory = memory_is_out();
+  if (memory) std::fputs("berm: no memory left for a mesh: take larger elements, or raise the limit (ulimit -v)\n", stderr);
+  if (!memory && is_first_process()) std::fputs((last_words + "\n").c_str(), stderr);
+  std::_Exit(memory ? failed : bad_input);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ std::string key_of_steps(const Stage& stage, const char* key) {
   return stage.name.empty() ? fmt::format("steps.{}", key) : fmt::format("stage.{}.{}", stage.name, key);
 }
 
+std::string key_of_steps(const Case& c, const std::string& key) { return c.stages.size() == 1 ? key_of_steps(c.stages.front(), key.c_str()) : key + " of its stage"; }
+
 namespace {
 
 /// Loads that vary from place to place may be there in a part of a body only: a few places stand for it.
@@ -46,7 +48,7 @@ bool can_be_dynamic(const Case& c) { return c.control.kind != Control::Kind::gau
 std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
   constexpr double at_once = 0.3, jump = 0.5;
   if (loss.extrapolated)
-    return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below " + key_of_steps(c.stages.back(), "error_tolerance") +
+    return "stresses that IMPL-EX extrapolates wrongly do work that nothing stores: keep its error below " + key_of_steps(c, "error_tolerance") +
            " (see the warning on it), or take integration = \"implicit\"";
   for (std::size_t k = 1; k < c.stages.size(); ++k) {
     const Stage& stage = c.stages[k];
@@ -61,9 +63,8 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
                        "equilibrium. Follow the motion with analysis = \"dynamic\"{}",
                        loss.time, scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "");
   }
-  const auto is_clay = [](const AnyLaw& law) { return std::holds_alternative<ModifiedCamClay>(law); };
-  if (const Steps& steps = c.stages.front().steps; loss.largest > jump && loss.time <= 1.01 * steps.duration / steps.count && any_law(c, is_clay))
-    return "most of it went in the first step, from the pressure at which the material starts and which loads and supports do not hold";
+  if (const Steps& steps = c.stages.front().steps; loss.pressure_lost && loss.largest > jump && loss.time <= 1.01 * steps.duration / steps.count)
+    return "most of it went in the first step, from the reference_pressure that nothing holds (see the warning on it)";
   if (loss.first > at_once && !c.is_dynamic() && loads_from_the_start(c))
     return "loads that are there from the start do work that nothing stores: let them grow with the time t, as in \"1e5*t\"";
   std::string advice = "take smaller steps, or smaller cells";
@@ -76,7 +77,7 @@ std::string advice_on_energy(const Case& c, const EnergyLoss& loss) {
 
 std::string advice_on_extrapolation(const Case& c, double error) {
   constexpr double unstable = 0.1;  // of the strength, in the smallest step
-  const std::string smaller = "make " + key_of_steps(c.stages.back(), "min_fraction") + " smaller, with adaptive steps";
+  const std::string smaller = "make " + key_of_steps(c, "min_fraction") + " smaller, with adaptive steps";
   if (c.is_dynamic() || !can_be_dynamic(c) || error < unstable) return smaller;
   return "where the structure snaps back no step is small enough: follow the motion with analysis = \"dynamic\"" +
          std::string(scales_loads(c) ? ", or drive the run with [control] kind = \"gauge\"" : "") + "; else " + smaller;

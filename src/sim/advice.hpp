@@ -12,11 +12,14 @@ std::string place_text(const Case& c, const Vec3& x);
 
 /// A key of [steps], or of the stage's own table: "stage.flood.count".
 std::string key_of_steps(const Stage& stage, const char* key);
+/// Of whichever stage it was.
+std::string key_of_steps(const Case& c, const std::string& key);
 
 /// When the balance of energy went off.
 struct EnergyLoss {
   double first = 0.0;    ///< error of the first step [-]
   bool extrapolated = false;  ///< IMPL-EX steps that missed their tolerance
+  bool pressure_lost = false; ///< of Cam-Clay, at the start
   double largest = 0.0;  ///< share of the error that came with one step [-]
   double time = 0.0;     ///< of that step [s]
 };

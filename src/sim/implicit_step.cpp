@@ -410,7 +410,14 @@ std::vector<ImplicitStep::Attempt> ImplicitStep::attempts(const Solver& s) const
   using enum StepLength;
   if (!s.line_search) return {{full, s.max_iterations}};
   if (motion_) return {{full, std::min(few, s.max_iterations)}, {line_search, s.max_iterations}, {half, s.max_iterations}};
-  return {{line_search, s.max_iterations}, {full, s.max_iterations}, {half, s.max_iterations}};
+  std::vector<Attempt> tries = {{line_search, s.max_iterations}, {full, s.max_iterations}, {half, s.max_iterations}};
+  // Where all places of a body slide, some this way and some that, as under a disc that spreads between platens, nothing resists a
+  // motion of the body until some of them turn round, and Newton's method leaps along it. What resists little needs no spring: it
+  // would take many iterations.   [boundaries (11)]
+  constexpr double weak = 1e-5;
+  const bool rubs = std::any_of(world_.spec.contacts.begin(), world_.spec.contacts.end(), [](const Contact& k) { return k.kind == Contact::Kind::friction && k.other.empty(); });
+  if (rubs) tries.push_back({line_search, s.max_iterations, weak});
+  return tries;
 }
 
 NewtonResult ImplicitStep::solve(std::vector<double>& x, double tolerance, const Attempt& how) {
@@ -459,7 +466,9 @@ NewtonResult ImplicitStep::find_equilibrium(const std::vector<double>& guess, st
   for (const Attempt& attempt : tries) {
     if (&attempt != &tries.front()) forget_contact();
     x = guess;
+    world_.boundary->resist_sliding(attempt.spring);
     newton = solve(x, tolerance, attempt);
+    world_.boundary->resist_sliding(0.0);
     result.iterations += newton.iterations;
     if (newton.converged && !is_fair()) {
       newton.converged = false;

@@ -108,7 +108,8 @@ private:
   bool linear_predictor(std::vector<double>& x);
   struct Attempt {
     StepLength length;
-    int most;  ///< iterations
+    int most;               ///< iterations
+    double spring = 0.0;    ///< along the slip of what slides, share of the stiffness of contact [-]
   };
   std::vector<Attempt> attempts(const Solver& s) const;
   bool is_fair() const;

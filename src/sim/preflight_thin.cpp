@@ -8,6 +8,7 @@
 #include "bc/piece_bins.hpp"
 #include "sim/advice.hpp"
 #include "sim/preflight.hpp"
+#include "sim/surfaces.hpp"
 
 namespace berm {
 namespace {
@@ -53,9 +54,9 @@ bool bends_as_it_should(const World& w, int body) {
   return c.shape_functions == ShapeFunctions::quadratic_bspline || c.shape_functions == ShapeFunctions::cubic_bspline || c.shape_functions == ShapeFunctions::b2gimp;
 }
 
-/// As far as they matter here. Elements are as long as the pieces of the surface are, up to where a body needs longer ones alone.
+/// As far as they matter here: a few long elements, along a thin bar, would have its whole surface looked at from everywhere.
 double width_of_cells(const World& w, const std::vector<SurfacePoint>& surface) {
-  constexpr double longer = 4.0;
+  const double longer = 2.0 * surface_points_per_cell(w.spec);
   const double longest = longest_edge(w.discretisation->mesh());
   if (w.spec.method == Method::mpm || surface.empty()) return longest;
   std::vector<double> sizes;

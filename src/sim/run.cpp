@@ -28,7 +28,7 @@
 namespace berm {
 namespace {
 
-/// Set by Ctrl-C, SIGTERM, SIGHUP and SIGUSR1: the run ends after the step, with everything written. A second one ends it as it
+/// Set by Ctrl-C, SIGTERM, SIGHUP, SIGUSR1 and SIGXCPU: the run ends after the step, with everything written. A second one ends it as it
 /// is, but of SIGXCPU (ulimit -St): that comes every second. mpiexec passes SIGUSR1 on at once, SIGTERM a second before it kills.
 volatile std::sig_atomic_t interrupted = 0;
 void interrupt(int number) {
@@ -351,7 +351,7 @@ private:
     if (a_period < few)
       log_.info(fmt::format("steps in motion      are long: half of them have less than {:.2g} a period of what moves, which damps it or shifts its phase. Where that "
                             "matters take {:.2g} times as many ({}), or [dynamics] error_tolerance = 0.005",
-                            a_period, good / a_period, key_of_steps(world_->spec.stages.back(), "count")));
+                            a_period, good / a_period, key_of_steps(world_->spec, "count")));
   }
 
   void tell_unused_options() {
@@ -366,6 +366,7 @@ private:
     double tolerance = 0.0;
     for (const Stage& stage : world_->spec.stages) tolerance = std::max(tolerance, stage.steps.error_tolerance);
     EnergyLoss loss = recorder_.energy_loss();
+    loss.pressure_lost = watch_.has_told("pressure");
     for (const auto& [name, value] : metrics) loss.extrapolated |= name == "extrapolation_error [-]" && value > tolerance;
     for (const auto& [name, value] : metrics) {
       if (name == "energy_error [-]" && value > balanced)
@@ -375,7 +376,7 @@ private:
         log_.warning(
             fmt::format("IMPL-EX: a stress was wrong by {:.2g} of the strength in a step, where {} is "
                         "{:.2g}, and the step could not be cut: {}",
-                        value, key_of_steps(world_->spec.stages.back(), "error_tolerance"), tolerance, advice_on_extrapolation(world_->spec, value)));
+                        value, key_of_steps(world_->spec, "error_tolerance"), tolerance, advice_on_extrapolation(world_->spec, value)));
       if (const double share = value / world_->discretisation->cell_size();
           name == "contact_gap_scatter [m]" && share > coarse_gap)
         log_.warning(

@@ -22,7 +22,7 @@ struct RunOptions {
   std::function<void()> listens = {};  ///< called on the first process when signals end the run in good order on all
 };
 
-/// From now on SIGINT, SIGTERM, SIGUSR1 and SIGHUP (unless nohup keeps it away) end a run after its step, in good order; a second
+/// From now on SIGINT, SIGTERM, SIGUSR1, SIGXCPU and SIGHUP (unless nohup keeps it away) end a run after its step, in good order; a second
 /// one ends it as it is. run_case calls it too; a program may do so earlier.
 void catch_signals();
 

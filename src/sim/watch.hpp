@@ -35,6 +35,7 @@ public:
   void look(const ImplicitStep& step, int n_steps);
   /// At the end of a run. Collective.
   void look_last();
+  bool has_told(const char* what) const { return told_.contains(what); }
   /// The part that looks at reactions, those at that time. Not collective.
   void look_for_jumps(const Reactions& now, double time);
 
@@ -64,7 +65,6 @@ private:
   bool displacements_were_reset() const;
   void look_for_torn_ties();
   void look_for_idle_bodies() const;
-  bool has_told(const char* what) const { return told_.contains(what); }
   void tell_once(const char* what, const std::string& text);
   Vec3 place_now(const std::vector<Vec3>& X, const std::vector<Vec3>& x, const std::vector<Vec3>& u, int p) const;
 

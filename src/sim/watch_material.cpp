@@ -139,7 +139,7 @@ void Watch::look_for_lost_pressure() {
     const double pressure = world_.comm.sum(sum) / world_.comm.sum(volume);
     if (pressure >= lost * clay->reference_pressure) continue;
     const std::string& body = world_.spec.bodies[slice.body].name;
-    warn_(fmt::format("body \"{0}\" starts at the reference_pressure of its material, {1:.4g} Pa, and is at {2:.3g} Pa in the mean after the first step: loads and "
+    tell_once("pressure", fmt::format("body \"{0}\" starts at the reference_pressure of its material, {1:.4g} Pa, and is at {2:.3g} Pa in the mean after the first step: loads and "
                       "supports do not hold it, and it swells. Let a [pressure.NAME] act on its free faces from the start (value = \"{1:.4g} + 0*t\"), or let it "
                       "start at less",
                       body, clay->reference_pressure, pressure));

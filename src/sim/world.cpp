@@ -94,10 +94,6 @@ Mesh body_mesh(const Case& c, const Body& body, const BodyMeshOptions& options) 
   return mesh;
 }
 
-/// Surface points stand this many to a cell: enough for the ends of a loaded arc to count. In space each stands for an
-/// area, and the faces of a body have many.
-double surface_points_per_cell(const Case& c) { return c.dimension() == 3 ? 3.0 : 10.0; }
-
 /// Points that are nearer to the surface of their body than this share of a cell tell where it is.
 constexpr double rim_width = 0.55;
 
@@ -286,7 +282,7 @@ void build_mpm(World& w, BuiltBodies& built) {
   found.throw_if_any();
   found.look([&] { refuse_overlaps(c, built, h); });
   found.look([&] { w.neighbours = find_neighbours(c, surface, h); });
-  w.layers = layers_of_bodies(c, w.neighbours.joints, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
+  w.layers = layers_of_bodies(c, w.neighbours, (mpm->degree() + 1) * h, [&](const SurfacePoint& s) { return in_one_cell(*mpm, s); });
   mpm->set_fields(w.layers, 1 + (w.layers.empty() ? 0 : *std::max_element(w.layers.begin(), w.layers.end())));
   found.look([&] { refuse_glued_gaps(w, *mpm, surface); });
   warn_of_corners(w);
@@ -355,13 +351,8 @@ void warn_of_missing_contacts(World& w) {
   if (c.method == Method::fem) return;
   const std::vector<int>& field = w.layers;
   std::set<std::pair<int, int>> kept_apart, meet;
-  std::map<int, std::set<int>> joined_to;  // fields, by body
-  for (const Joint& j : w.neighbours.joints) joined_to[j.body].insert(field[j.other]), joined_to[j.other].insert(field[j.body]);
-  for (const auto& [body, sides] : joined_to)
-    for (const int side : sides) {
-      kept_apart.insert(std::minmax(field[body], side));
-      for (const int other : sides) kept_apart.insert(std::minmax(other, side));  // by the body between them
-    }
+  for (const Joint& j : w.neighbours.joints) kept_apart.insert(std::minmax(field[j.body], field[j.other]));
+  for (const auto& [a, b] : w.neighbours.parted) kept_apart.insert(std::minmax(field[a], field[b]));  // by the body between them
   for (const Contact& contact : c.contacts) {
     if (contact.other.empty()) continue;
     const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];

@@ -402,7 +402,7 @@ def emptied_folder():
     pathlib.Path("long.toml").write_text(LONG)
     process = begun("out/long", "run", "long.toml", "--quiet")
     pathlib.Path("out/long/history.csv").unlink()
-    return wrong(end_of(process), 1, "out/long/history.csv: something else has removed or changed this file")
+    return wrong(end_of(process), 1, "out/long/history.csv: something else has removed, replaced or cut this file")
 
 
 def environment_of_others():
@@ -411,7 +411,7 @@ def environment_of_others():
     os.mkfifo("matplotlibrc")
     for name in ("json", "numbers", "csv", "berm"):
         pathlib.Path(f"{name}.py").write_text("raise RuntimeError('not ours')\n")
-    odd = os.environ | {"PETSC_OPTIONS": "-fp_trap -options_file /nonexistent", "MPLBACKEND": "none", "BERM_PYTHON": ""}
+    odd = os.environ | {"PETSC_OPTIONS": "-fp_trap -options_file /nonexistent", "PETSC_OPTIONS_YAML": "{pc_type: foo}", "MPLBACKEND": "none", "BERM_PYTHON": "", "PYTHONPATH": ""}
     return (wrong(berm("run", "case.toml", timeout=60, env=odd), 0, "warning: PETSC_OPTIONS in the environment is not read")
             or wrong(berm("run", "case.toml", "--force", "-n", "2", "--oversubscribe", timeout=60, env=odd), 0)
             or wrong(berm("report", "out/case", timeout=100, env=odd), 0))

@@ -92,6 +92,10 @@ MODELS = {
                              [("boundary.base", "warning: 50 % of its motion there is that of free nodes"), ("boundary.base", "warning: boundary.base.body = \"a\"")]),
     "a motion between the steps": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*sin(2*pi*50*t)"') + "[steps]\ncount = 100\n",
                                    [("boundary.top", "warning: the steps of 0.01 s do not see")]),
+    "columns beside each other on a slab": (GRID + ELASTIC + ELASTIC.replace("material.m", "material.n").replace("1e7", "2e6")
+                                            + "".join(f'[body.{name}]\nmaterial = "{of}"\nshape.box = {{ min = {low}, max = {high} }}\n' for name, of, low, high in (
+                                                ("slab", "m", [0.0, 0.0], [2.0, 0.25]), ("left", "n", [0.4, 0.25], [0.8, 1.25]), ("right", "n", [0.85, 0.25], [1.25, 1.25]))) + BASE + FEW,
+                                            [("body.left", 'the gap of 0.05 m between bodies "left" and "right"')]),
     "a joint that the grid does not see": (GRID + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + FEW, [("body.a", "the gap of 0.002 m between")]),
     "a joint that nothing closes, fem": (FEM + ELASTIC + BLOCK + UPON.replace("[0.0, 1.0]", "[0.0, 1.002]") + BASE + TOP.replace("0.9999", "1.9999").replace("1.0001", "2.0001").replace("uy", "ux = 0.0\nuy") + FEW,
                                          [("body.a", "warning: 0.002 m apart and not joined")]),
