@@ -80,9 +80,12 @@ void start_petsc(const std::string& options) {
   // A single process needs no mpiexec; Open MPI asks for these two before it runs as root (containers, CI).
   setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
-  // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants.
-  if (!std::getenv("OMPI_COMM_WORLD_RANK") && !std::getenv("PMIX_RANK") && !std::getenv("PMI_RANK"))
+  // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants, nor a folder: all such processes would
+  // have the same one, and one that ends would remove it while another begins.
+  if (!std::getenv("OMPI_COMM_WORLD_RANK") && !std::getenv("PMIX_RANK") && !std::getenv("PMI_RANK")) {
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+    setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+  }
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {

@@ -12,6 +12,7 @@ import re
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -222,6 +223,13 @@ def temporary_folder():
     environment = {**os.environ, "TMPDIR": "/proc/nowhere"}
     return (wrong(berm("run", "case.toml", "--quiet", env=environment), 0)
             or wrong(berm("run", "case.toml", "--quiet", "--force", "-n", "2", "--oversubscribe", env=environment), 0, "temporary files go to", "/proc/nowhere (TMPDIR)"))
+
+
+def folder_of_mpi():
+    """A single process makes none: those of runs side by side would be the same, and the first one that ends would remove it."""
+    pathlib.Path("tmp").mkdir()
+    pathlib.Path(f"tmp/ompi.{socket.gethostname().split('.')[0]}.{os.getuid()}").write_text("not a folder")
+    return wrong(berm("run", "case.toml", env=os.environ | {"TMPDIR": str(pathlib.Path("tmp").resolve())}), 0)
 
 
 def no_path():
@@ -599,7 +607,7 @@ def progress():
     return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
 
 
-TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, no_path,
+TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, folder_of_mpi, no_path,
          signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, emptied_folder, environment_of_others, boundary_too_narrow, factors_without_end, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
          little_memory, few_open_files, waits_for_nothing, tool_that_is_ended, odd_entries, progress]
 
