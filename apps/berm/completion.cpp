@@ -9,7 +9,7 @@ namespace {
 constexpr const char* script = R"bash(# Completion of berm for bash: eval "$(berm completion bash)", or into /etc/bash_completion.d/berm
 _berm_files() {{
   compopt -o filenames 2>/dev/null
-  COMPREPLY=($(compgen -d -- "$1") $(compgen -f -X "!$2" -- "$1"))
+  mapfile -t COMPREPLY < <(compgen -d -- "$1"; [[ -z $2 ]] || compgen -f -X "!$2" -- "$1")
 }}
 _berm_ask() {{
   local kept=_berm_options_$2
@@ -25,7 +25,7 @@ _berm() {{
   fi
   case $before in
     --restart) _berm_files "$word" '*.h5'; return;;
-    --out) compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -d -- "$word")); return;;
+    --out) _berm_files "$word" ''; return;;
     --reference) _berm_files "$word" '*.csv'; return;;
     --format) COMPREPLY=($(compgen -W "markdown json" -- "$word")); return;;
     --set|-n|--jobs|--only|--title|--scale|--material|--tolerance|--most|--jump) return;;
@@ -36,8 +36,7 @@ _berm() {{
   if [[ $word == -* ]]; then
     COMPREPLY=($(compgen -W "$options" -- "$word"))
   elif [[ $command == report ]]; then
-    compopt -o filenames 2>/dev/null
-    COMPREPLY=($(compgen -d -- "$word"))
+    _berm_files "$word" ''
   elif [[ $command == completion ]]; then
     COMPREPLY=($(compgen -W bash -- "$word"))
   elif [[ $command != version && $command != schema ]]; then

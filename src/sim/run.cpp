@@ -49,7 +49,7 @@ struct OptionsOfPetsc {
 
 class Run {
 public:
-  Run(Case spec, const RunOptions& options, const FolderLock& lock, const Comm& comm)
+  Run(std::unique_ptr<World> world, const RunOptions& options, const FolderLock& lock, const Comm& comm)
       : start_(std::chrono::steady_clock::now()),
         comm_(comm),
         folder_(options.folder),
@@ -57,26 +57,24 @@ public:
         origin_(options.origin),
         open_log_(open_log(options, comm)),
         log_(*open_log_),
-        world_(build_world(std::move(spec), comm)),
+        world_(std::move(world)),
         step_(*world_),
         recorder_(*world_, step_, options.folder),
         control_(world_->present_stage()),
         watch_(*world_, [this](const std::string& text) { log_.warning(text); }),
         progress_(log_, start_),
         saved_(start_) {
-    refuse_free_bodies(*world_);
     // For checkpoints; as the files are now, whatever becomes of them during the run.
     world_->file_contents = comm_.broadcast(comm_.is_root() ? contents_of_files(world_->spec.resolved) : std::string());
     log_.info(describe(*world_));
     for (const std::string& warning : world_->warnings) log_.warning(warning);
-    comm_.agree([&] {
-      if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);
-    });
     if (options.restart.empty()) {
+      write_case();
       recorder_.start();
       return;
     }
     const std::vector<std::string> changed = load_checkpoint(options.restart, *world_, step_, recorder_, control_);
+    write_case();
     watch_.resume(recorder_.watched(), step_.balance().reactions);
     log_.info(
         fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
@@ -120,6 +118,12 @@ private:
       log->detail(head(options.origin, comm.size()));
     });
     return log;
+  }
+
+  void write_case() const {
+    comm_.agree([&] {
+      if (comm_.is_root()) replace_file((folder_ / "case.toml").string(), world_->spec.resolved);
+    });
   }
 
   /// Who runs, where, when and with what words.
@@ -413,6 +417,12 @@ private:
   std::string choice_;                           ///< of the linear solver, as last logged
 };
 
+/// Whether the results in the output folder are those of the run that goes on.
+bool goes_on_there(const RunOptions& options) {
+  std::error_code error;
+  return !options.restart.empty() && std::filesystem::equivalent(std::filesystem::absolute(options.restart).parent_path(), options.folder, error);
+}
+
 }  // namespace
 
 /// A session that ends takes its runs along (SIGHUP), unless nohup said otherwise.
@@ -443,11 +453,15 @@ void run_case(Case spec, const RunOptions& given) {
       if (std::filesystem::equivalent(curve.file, options.folder / "history.csv", error))
         throw InputError(fmt::format("{}: holds the reference curve {}, which the run would replace: choose another folder with --out",
                                      options.folder.string(), curve.file));
-    if (!options.restart.empty()) return;
-    if (!options.replace_finished) refuse_finished(options.folder);
-    remove_old_results(options.folder);
+    if (!options.replace_finished && !goes_on_there(options)) refuse_finished(options.folder);
   });
-  Run run(std::move(spec), options, lock, comm);
+  // What is there is replaced by a case that is right.
+  std::unique_ptr<World> world = build_world(std::move(spec), comm);
+  refuse_free_bodies(*world);
+  comm.agree([&] {
+    if (comm.is_root() && options.restart.empty()) remove_old_results(options.folder);
+  });
+  Run run(std::move(world), options, lock, comm);
   run.go();
 }
 

@@ -215,6 +215,7 @@ void Watch::look_for_torn_ties() {
   const double h = world_.discretisation->cell_size();
   for (const auto& [k, apart] : world_.boundary->tied_apart()) {
     const Contact& tie = world_.spec.contacts[k];
+    if (!acts_in(tie.stages, world_.present_stage().name)) continue;
     if (apart <= told * h || (has_told("torn") && apart <= most * h)) continue;
     const std::string text = fmt::format("the surfaces that [contact.{}] ties are {:.3g} m ({:.2g} cells) apart or deep in one another at time {:.6g}: what is prescribed "
                                          "tears or crushes the body, and the reaction is that of the tie. Is the motion meant to be so large, in m?",

@@ -108,7 +108,12 @@ BodySummary summary_of(const Case& c, const Body& body, double cell_size) {
 
 Grid make_grid(const Case& c) {
   if (const auto* structured = std::get_if<StructuredGrid>(&c.grid)) return make_structured_grid(*structured);
-  return make_unstructured_grid(read_mesh(c, std::get<std::string>(c.grid)));
+  const std::string& file = std::get<std::string>(c.grid);
+  Mesh mesh = read_mesh(c, file);
+  if (const auto found = overlapping_cells(mesh))
+    throw InputError(fmt::format("{}: two cells of the grid lie in one another near {}: material there would be in both. Mesh the grid again, or leave one of them out", file,
+                                 place_text(c, cell_centre(mesh, found->second))));
+  return make_unstructured_grid(std::move(mesh));
 }
 
 /// The grid of quads or hexahedra that one of triangles or tetrahedra was cut from.

@@ -187,6 +187,22 @@ def mesh_that_has_changed():
     return why or wrong(berm("run", "case.toml", "--restart", "out/case/checkpoint.h5", "--out", "other", text=text), 2, "the file of body.a.file has changed since the checkpoint was written")
 
 
+def refused_case_replaces_nothing():
+    """Nor a restart that is refused, or one from elsewhere, without --force."""
+    if why := wrong(berm("run", "case.toml"), 0):
+        return why
+    before = {name: pathlib.Path("out/case", name).read_bytes() for name in files("out/case")}
+    other = CASE.replace("count = 4", "count = 8\n[checkpoint]\nevery_steps = 4")
+    pathlib.Path("other.toml").write_text(other)
+    outside = "pin.p={body='a',at=[9.0,9.0],fix='x'}"
+    why = (wrong(berm("run", "case.toml", "--force", "--set", outside), 2, "[pin.p]")
+           or wrong(berm("run", "other.toml"), 0)
+           or wrong(berm("run", "other.toml", "--out", "out/case", "--restart", "out/other/checkpoint.h5"), 2, "--force replaces them")
+           or wrong(berm("run", "case.toml", "--out", "out/case", "--force", "--restart", "nothing.h5"), 2, "nothing.h5"))
+    lost = [name for name, content in before.items() if name != "log.txt" and (name not in files("out/case") or pathlib.Path("out/case", name).read_bytes() != content)]
+    return why or (f"lost: {lost}" if lost else "")
+
+
 def failed_run_makes_way():
     stops = CASE.replace("uy = -0.001", 'uy = "-0.001*t + 0*sqrt(0.5 - t + 0*x)"')  # what depends on the place is not looked at before
     return wrong(berm("run", "case.toml", text=stops), 1) or wrong(berm("run", "case.toml"), 0)
@@ -343,6 +359,25 @@ def signals_at_the_start():
     return ""
 
 
+def tie_that_has_ended():
+    """What it held may part in the stages after it."""
+    lifted = CASE[:CASE.index("[boundary.top]")] + """[body.plate]
+rigid = true
+shape.box = { min = [-0.1, 1.0], max = [1.1, 1.2] }
+displacement = [0.0, "-0.001*min(t, 1) + 0.2*max(0, t - 1)"]
+[contact.c]
+body = "a"
+rigid = "plate"
+kind = "tie"
+stages = ["one"]
+[stage.one]
+count = 2
+[stage.two]
+count = 2
+"""
+    return wrong(berm("run", "case.toml", text=lifted), 0, absent=["tears or crushes"])
+
+
 def nohup():
     """A run that is not to hear of the end of its session goes on."""
     pathlib.Path("long.toml").write_text(LONG)
@@ -429,6 +464,13 @@ def boundary_too_narrow():
     """Gmsh throws through its parallel regions."""
     narrow = CASE.replace("max = [1.0, 1.0] }", 'max = [1.0, 0.000000000001] }\nmesh = { kind = "triangles", size = 0.02 }', 1)
     return wrong(berm("check", "case.toml", "--set", "method=fem", text=narrow), 2, "case.toml:9:7: [body.a]: Gmsh cannot mesh it")
+
+
+def cells_in_one_another():
+    """A grid from a file, of two squares of which one half is in both."""
+    pathlib.Path("twice.msh").write_text(mesh_22([(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0), (2, 0), (2, 1), (0.5, 1)], [(1, 2, 3, 4), (5, 6, 7, 8)]), encoding="ascii")
+    lying = CASE.replace("grid = { origin = [-0.25, -0.25], cell_size = 0.25, cells = [6, 6] }", 'grid.file = "twice.msh"').replace("max = [1.0, 1.0] }", "max = [0.4, 0.4] }", 1)
+    return wrong(berm("check", "case.toml", text=lying), 2, "twice.msh: two cells of the grid lie in one another near (0.5, 0.5)")
 
 
 def factors_without_end():
@@ -607,8 +649,8 @@ def progress():
     return "" if re.search(r"step +\d+ +0\.\d %.* left", out) else out
 
 
-TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, folder_of_mpi, no_path,
-         signals, signals_at_the_start, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, emptied_folder, environment_of_others, boundary_too_narrow, factors_without_end, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
+TESTS = [too_many_processes, limit_of_file_size, full_disk, second_run_in_the_folder, finished_run_is_kept, files_of_the_user_are_kept, mesh_that_has_changed, failed_run_makes_way, refused_case_replaces_nothing, links_are_not_followed, pipe_in_the_place_of_a_summary, folder_that_is_gone, empty_words, temporary_folder, folder_of_mpi, no_path,
+         signals, signals_at_the_start, tie_that_has_ended, nohup, reader_that_has_gone, full_and_closed_output, mpi_that_does_not_start, folder_that_is_replaced, emptied_folder, environment_of_others, boundary_too_narrow, cells_in_one_another, factors_without_end, options_of_petsc, odd_files, standard_input, words_of_help, completion, origin_of_results, process_that_is_killed,
          little_memory, few_open_files, waits_for_nothing, tool_that_is_ended, odd_entries, progress]
 
 
