@@ -286,6 +286,8 @@ int MpmDiscretisation::locate(Anchor& a) const {
     a.cell = grid_.locator->locate(seen(a) + inward * cell_size_ * a.inward, hint);
     if (a.cell >= 0) break;
   }
+  if (a.cell < 0 && space_ == Space::axisymmetric && a.x.x() <= 0.0)
+    throw RunError(fmt::format("a surface point has crossed the axis of rotation at {}: hold it there ([boundary.NAME] with ux = 0 at the nodes of x = 0)", place_text(origin_ + a.x, dimension())));
   if (a.cell < 0)
     throw RunError(fmt::format("a surface point has left the background grid at {}: make the grid larger",
                                place_text(origin_ + a.x, dimension())));

@@ -248,6 +248,9 @@ FAILURES = {
                                         ["steps.analysis=dynamic", "boundary.right.ux=1e-4*t", "steps.count=50"]),
     "clay that nothing holds": (GRID + CLAY + BLOCK + ROLLERS, "starts at the reference_pressure", ['pressure.top={body="a",where={box={min=[-9.0,0.9999]}},value="5e+04 + 0*t"}']),
     "clay that nothing holds, less": (GRID + CLAY + BLOCK + ROLLERS, "let it start at less", ["material.m.reference_pressure=2e3"]),
+    "crosses the axis": ('model = { plane = "axisymmetric", gravity = [0.0, -9.81] }\n' + GRID.replace("[-0.2, -0.2]", "[0.0, 0.0]") + ELASTIC
+                         + '[body.a]\nmaterial = "m"\nshape.disc = { centre = [0.5, 1.0], radius = 0.5 }\n[pin.p]\nbody = "a"\nat = [0.0, 1.0]\nfix = "y"\n[steps]\ncount = 2\n',
+                         "crossed the axis of rotation", ['boundary.axis={where={box={max=[1e-6,9.0]}},ux=0.0}']),
     "smeared crack": (BRITTLE + UNIFORM_BAR, "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
     "smeared crack, small strain": (BRITTLE + UNIFORM_BAR + 'model.kinematics = "small"\n', "cracks are smeared over", ["replace " + WHOLE + " => " + NOTCHED]),
     "smeared crack, three cells": (BRITTLE + THREE_CELLS, "cracks are smeared over", ["material.weak.tensile_strength=2.7e6"]),
