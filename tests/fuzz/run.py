@@ -175,7 +175,7 @@ class Fuzz:
             mutant = mutate_bytes(content, rng)
             # Half of them with a checksum that fits, so that what lies behind it is reached.
             file.write_bytes(sealed(mutant) if rng.random() < 0.5 else mutant)
-            self.attempt(name, [case, file], ["run", case, "--out", out, "--restart", file, "--quiet"], SHORT)
+            self.attempt(name, [case, file], ["run", case, "--out", out, "--restart", file, "--quiet", "--force"], SHORT)
 
         return self.each("checkpoint", count, try_one)
 
