@@ -36,7 +36,7 @@ def _marker_area(frame, points_per_metre):
 def animate(run, most_frames=60, milliseconds=80):
     """GIF (bytes) of the points of a plane run, and what it shows; (None, "") if it has fewer than three frames or
     nothing to show. Points have the size of their volume at the start."""
-    from berm.figures import plt
+    from berm.plotting import plt
     from PIL import Image
 
     if run.dimension != 2 or len(run.frames) < 3:

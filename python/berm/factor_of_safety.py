@@ -28,14 +28,13 @@ from berm import words
 from berm.errors import ResultError
 from berm.files import new_file
 from berm.program import end_runs_with_the_tool, find_berm, run_case
-from berm.results import Run
+from berm.results import UNITS, Run
 
 TOOL = "berm factor_of_safety"
 LAWS = ("mohr_coulomb", "drucker_prager")
 STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m2": 1.0, "kN/m2": 1e3, "MN/m2": 1e6}
 STRESS |= {"N/mm2": 1e6, "kN/mm2": 1e9}
 ANGLE = {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi}
-TIME = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 NO_CUT_OFF = 1e30  # tensile_strength of a case without a tension cut-off
 LEAST_TOLERANCE = 1e-4
 GROWTH = 1.25  # of F while no run has failed
@@ -164,7 +163,7 @@ class Search:
         with open(os.path.join(folder, "case.toml"), "rb") as file:
             case = tomllib.load(file)
         stages = case.get("stage", {}).values() or [case.get("steps", {})]
-        return sum(quantity(stage.get("duration", 1.0), TIME, "duration") for stage in stages)
+        return sum(quantity(stage.get("duration", 1.0), UNITS["time"], "duration") for stage in stages)
 
     def bracket(self):
         """(largest F that stands, smallest that fails), a step of GROWTH apart."""

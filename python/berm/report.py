@@ -151,7 +151,7 @@ class Pictures:
         self.folder = folder
 
     def html(self, figure, name, alt, caption=""):
-        from berm.figures import plt
+        from berm.plotting import plt
 
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png")

@@ -38,10 +38,15 @@ void raise_limit_of_open_files(unsigned long needed) {
     throw RunError(fmt::format("a run opens up to {} files, and this process may not have as many: raise its limit (ulimit -n)", needed));
 }
 
-bool is_first_process() {
+const char* rank_of_launcher() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"})
-    if (const char* rank = std::getenv(name)) return std::string_view(rank) == "0";
-  return true;
+    if (const char* rank = std::getenv(name)) return rank;
+  return nullptr;
+}
+
+bool is_first_process() {
+  const char* rank = rank_of_launcher();
+  return !rank || std::string_view(rank) == "0";
 }
 
 std::string host_name() {

@@ -16,7 +16,9 @@ void raise_limit_of_open_files(unsigned long needed);
 
 std::string host_name();
 
-/// Of several processes that an mpiexec has started, the one that speaks; true without one. Known before MPI has begun.
+/// Rank of this process among those that an mpiexec has started, as its environment has it before MPI begins; null without one.
+const char* rank_of_launcher();
+/// Of several processes the one that speaks; true without an mpiexec.
 bool is_first_process();
 
 /// The words of the operating system for an errno and, where there is one, what to do.

@@ -82,7 +82,7 @@ void start_petsc(const std::string& options) {
   setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants, nor a folder: all such processes would
   // have the same one, and one that ends would remove it while another begins.
-  if (!std::getenv("OMPI_COMM_WORLD_RANK") && !std::getenv("PMIX_RANK") && !std::getenv("PMI_RANK")) {
+  if (!rank_of_launcher()) {
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   }

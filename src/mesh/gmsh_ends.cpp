@@ -12,7 +12,7 @@ namespace berm {
 namespace {
 
 constexpr int failed = 1, bad_input = 2;  // as main() has it
-std::string last_words;
+std::function<std::string()> last_words;
 
 bool memory_is_out() {
   try {
@@ -28,13 +28,13 @@ bool memory_is_out() {
 [[noreturn]] void end() {
   const bool memory = memory_is_out();
   if (memory) std::fputs("berm: no memory left for a mesh: take larger elements, or raise the limit (ulimit -v)\n", stderr);
-  if (!memory && is_first_process()) std::fputs((last_words + "\n").c_str(), stderr);
+  if (!memory && is_first_process()) std::fputs((last_words() + "\n").c_str(), stderr);
   std::_Exit(memory ? failed : bad_input);
 }
 
 }  // namespace
 
-SayIfGmshEnds::SayIfGmshEnds(std::string words) : before_(std::set_terminate(end)) { last_words = std::move(words); }
+SayIfGmshEnds::SayIfGmshEnds(std::function<std::string()> words) : before_(std::set_terminate(end)) { last_words = std::move(words); }
 SayIfGmshEnds::~SayIfGmshEnds() { std::set_terminate(before_); }
 
 }  // namespace berm

@@ -2,6 +2,7 @@
 /// What Gmsh does not survive.
 
 #include <exception>
+#include <functional>
 #include <string>
 
 namespace berm {
@@ -10,7 +11,7 @@ namespace berm {
 /// As long as this lives it ends with `words` on the terminal and the code of a wrong input. One at a time.
 class SayIfGmshEnds {
 public:
-  explicit SayIfGmshEnds(std::string words);
+  explicit SayIfGmshEnds(std::function<std::string()> words);
   ~SayIfGmshEnds();
   SayIfGmshEnds(const SayIfGmshEnds&) = delete;
   SayIfGmshEnds& operator=(const SayIfGmshEnds&) = delete;

@@ -11,11 +11,11 @@ namespace berm {
 
 std::string place_text(const Case& c, const Vec3& x) { return place_text(c.origin + x, c.dimension()); }
 
-std::string key_of_steps(const Stage& stage, const char* key) {
+std::string key_of_steps(const Stage& stage, const std::string& key) {
   return stage.name.empty() ? fmt::format("steps.{}", key) : fmt::format("stage.{}.{}", stage.name, key);
 }
 
-std::string key_of_steps(const Case& c, const std::string& key) { return c.stages.size() == 1 ? key_of_steps(c.stages.front(), key.c_str()) : key + " of its stage"; }
+std::string key_of_steps(const Case& c, const std::string& key) { return c.stages.size() == 1 ? key_of_steps(c.stages.front(), key) : key + " of its stage"; }
 
 namespace {
 

@@ -11,7 +11,7 @@ namespace berm {
 std::string place_text(const Case& c, const Vec3& x);
 
 /// A key of [steps], or of the stage's own table: "stage.flood.count".
-std::string key_of_steps(const Stage& stage, const char* key);
+std::string key_of_steps(const Stage& stage, const std::string& key);
 /// Of whichever stage it was.
 std::string key_of_steps(const Case& c, const std::string& key);
 

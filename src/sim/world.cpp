@@ -71,9 +71,11 @@ Mesh read_mesh(const Case& c, const std::string& file) {
 /// Calls f; what is wrong with a shape or a mesh names its body.
 template <class F>
 auto of_body(const Case& c, const Body& body, F f) {
-  const SayIfGmshEnds words(with_places(c, fmt::format("[body.{}]: Gmsh cannot mesh it: parts of its boundary are nearer to each other than Gmsh can tell apart, or it has next to "
-                                                       "no thickness. Close or widen what is narrow",
-                                                       body.name)));
+  const SayIfGmshEnds words([&] {
+    return with_places(c, fmt::format("[body.{}]: Gmsh cannot mesh it: parts of its boundary are nearer to each other than Gmsh can tell apart, or it has next to no "
+                                      "thickness. Close or widen what is narrow",
+                                      body.name));
+  });
   try {
     return f();
   } catch (const InputError& error) {
