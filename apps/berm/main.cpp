@@ -41,11 +41,11 @@ struct Words {
   bool quiet = false, force = false, oversubscribe = false, petsc_files = false;
 };
 
-/// The tools in Python, by subcommand: module, and what they do.
-const std::map<std::string, std::pair<const char*, const char*>> tools = {
-    {"report", {"berm.report", "draw curves and maps of one or more output folders"}},
-    {"sweep", {"berm.sweep", "run the variants of a sweep file and compare them"}},
-    {"factor_of_safety", {"berm.factor_of_safety", "reduce the strength of a case until it fails"}}};
+/// The tools in Python, by subcommand, and what they do.
+const std::map<std::string, const char*> tools = {
+    {"report", "draw curves and maps of one or more output folders"},
+    {"sweep", "run the variants of a sweep file and compare them"},
+    {"factor_of_safety", "reduce the strength of a case until it fails"}};
 
 /// An empty word is a variable of a script that was not set: the run would be another one than was meant.
 const CLI::Validator is_given([](const std::string& word) { return word.empty() ? "is empty: a variable that is not set?" : ""; }, "", "");
@@ -74,8 +74,8 @@ void add_commands(CLI::App& app, Words& w) {
   CLI::App* schema = app.add_subcommand("schema", "print the reference of all case keys");
   schema->add_option("--format", w.format, "markdown or json")->check(CLI::IsMember({"markdown", "json"}));
 
-  for (const auto& [name, tool] : tools) {
-    CLI::App* command = app.add_subcommand(name, tool.second);
+  for (const auto& [name, what] : tools) {
+    CLI::App* command = app.add_subcommand(name, what);
     command->prefix_command();
     command->set_help_flag();  // --help is the tool's
   }
@@ -205,7 +205,7 @@ void check_folder() {
 int run_tool(const std::string& name, std::vector<std::string> arguments) {
   const bool given = std::any_of(arguments.begin(), arguments.end(), [](const std::string& word) { return word == "--berm" || word.starts_with("--berm="); });
   if (name != "report" && !given) arguments.insert(arguments.end(), {"--berm", own_path()});
-  return run_python(tools.at(name).first, arguments);
+  return run_python(name, arguments);
 }
 
 }  // namespace

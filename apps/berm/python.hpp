@@ -4,5 +4,5 @@
 #include <string>
 #include <vector>
 
-/// Replaces this process by the Python tool `module` with the given arguments. Returns only if Python is missing.
-int run_python(const std::string& module, const std::vector<std::string>& arguments);
+/// Replaces this process by the tool of that name (a module of python/berm) with the given arguments. Returns only if Python is missing.
+int run_python(const std::string& tool, const std::vector<std::string>& arguments);

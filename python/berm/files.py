@@ -1,5 +1,6 @@
 """Files that the tools read and write."""
 
+import errno
 import os
 
 
@@ -11,7 +12,12 @@ def may_never_end(path):
 def new_file(path, binary=False):
     """Opens a file of its own for writing: what has that name makes way, so that nothing is written through a link to
     somewhere else. Text has the line ends that it is given, and a ? where a path has bytes that are no UTF-8."""
-    if os.path.islink(path) or os.path.isfile(path):
-        os.remove(path)
-    mode = "w" if os.path.exists(path) else "x"  # a device is written to as it is
-    return open(path, mode + "b") if binary else open(path, mode, newline="", encoding="utf-8", errors="replace")
+    try:
+        if os.path.islink(path) or os.path.isfile(path):
+            os.remove(path)
+        mode = "w" if os.path.exists(path) else "x"  # a device is written to as it is
+        return open(path, mode + "b") if binary else open(path, mode, newline="", encoding="utf-8", errors="replace")
+    except OSError as error:
+        if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+            raise
+        raise OSError(error.errno, f"{error.strerror}: choose another place (--out)", path) from error

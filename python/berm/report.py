@@ -22,6 +22,7 @@ from berm.files import new_file
 from berm.results import Curve, Run, split_unit
 
 TOOL = "berm report"
+LONGEST_LABEL = 60  # of a run, in legends and tables
 STYLE = """
 body { font: 15px/1.5 "Segoe UI", "Helvetica Neue", Arial, sans-serif; color: #222;
        max-width: 1180px; margin: 2.2em auto; padding: 0 1.5em; }
@@ -45,8 +46,13 @@ def run_labels(runs):
     names = [run.name for run in runs]
     if len(set(names)) < len(names):
         names = [words.readable(os.path.normpath(run.path)) for run in runs]
+    names = [name if len(name) <= LONGEST_LABEL else "…" + name[1 - LONGEST_LABEL :] for name in names]
+    if len(set(names)) < len(names):
+        names = [f"{number} {name}" for number, name in enumerate(names, 1)]
     labels = []
     for run, name in zip(runs, names):
+        if name.startswith("_"):  # matplotlib leaves such labels out of legends
+            name = os.path.join(".", name)
         method = run.summary.get("method", "")
         labels.append(name if not method or method in name.lower() else f"{name} ({method.upper()})")
     return labels

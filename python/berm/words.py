@@ -41,6 +41,14 @@ def _as_it_came(error):
 codecs.register_error("as_it_came", _as_it_came)
 
 
+def _flush_words():
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        error.filename = "standard output"
+        raise
+
+
 def _last_words(name, error):
     if isinstance(error, BrokenPipeError):
         return ""  # a reader that has gone
@@ -50,6 +58,8 @@ def _last_words(name, error):
         where = f"{readable(str(error.filename))}: " if error.filename else ""
         remedy = ": make room on the disk of the output, or choose another (--out)" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
         return f"error: {where}{error.strerror or error}{remedy}"
+    if isinstance(error, ImportError):
+        return f"{name}: {error}: install python3-numpy, python3-matplotlib and python3-vtk9, or name a Python that has them (BERM_PYTHON)"
     text = " ".join(f"{type(error).__name__}: {error}".split())
     return f"{name}: {text} (set BERM_TRACEBACK=1 for where)"
 
@@ -66,7 +76,7 @@ def run(main, name):
         except SystemExit as end:  # argparse
             code = end.code
         if sys.stdout:
-            sys.stdout.flush()
+            _flush_words()
     except (Exception, KeyboardInterrupt) as error:
         if os.environ.get("BERM_TRACEBACK"):
             raise

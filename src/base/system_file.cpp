@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
+#include <vector>
 
 #include "base/error.hpp"
 
@@ -47,6 +48,13 @@ const char* rank_of_launcher() {
 bool is_first_process() {
   const char* rank = rank_of_launcher();
   return !rank || std::string_view(rank) == "0";
+}
+
+void forget_variables(const std::function<bool(std::string_view)>& is_such) {
+  std::vector<std::string> names;
+  for (char** variable = environ; *variable; ++variable)
+    if (std::string name(*variable, std::strcspn(*variable, "=")); is_such(name)) names.push_back(std::move(name));
+  for (const std::string& name : names) unsetenv(name.c_str());
 }
 
 std::string host_name() {

@@ -1,7 +1,9 @@
 #pragma once
 /// What all that writes files asks the operating system for.
 
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace berm {
 
@@ -20,6 +22,9 @@ std::string host_name();
 const char* rank_of_launcher();
 /// Of several processes the one that speaks; true without an mpiexec.
 bool is_first_process();
+
+/// Takes the variables of such names out of the environment.
+void forget_variables(const std::function<bool(std::string_view)>& is_such);
 
 /// The words of the operating system for an errno and, where there is one, what to do.
 std::string system_reason(int error);

@@ -8,13 +8,14 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "base/error.hpp"
 
 namespace berm {
 
 struct TimeFunction::Expression {
-  std::string text;
+  std::string text, key;
   bool depends_on_place = false;
   // muParser reads its variables through pointers.
   mutable double t = 0.0;
@@ -35,9 +36,10 @@ bool assigns(const std::string& text) {
 
 }  // namespace
 
-TimeFunction::TimeFunction(const std::string& text) {
+TimeFunction::TimeFunction(const std::string& text, std::string key) {
   const auto expression = std::make_shared<Expression>();
   expression->text = text;
+  expression->key = std::move(key);
   mu::Parser& parser = expression->parser;
   if (assigns(text)) throw std::invalid_argument(fmt::format("\"{}\": = means nothing here (equal is ==)", text));
   if (std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) && !std::isspace(c); }))
@@ -71,7 +73,7 @@ double TimeFunction::at(double t, const Vec3& x) const {
   expression_->x = origin_ + x;
   const double value = expression_->parser.Eval();
   if (!std::isfinite(value))
-    throw RunError(fmt::format("\"{}\" is {} at t = {:.6g} s{}", expression_->text, value, t,
+    throw RunError(fmt::format("{}: \"{}\" is {} at t = {:.6g} s{}", expression_->key, expression_->text, value, t,
                                depends_on_place() ? fmt::format(", ({:.6g}, {:.6g}, {:.6g})", expression_->x.x(), expression_->x.y(), expression_->x.z()) : ""));
   return value;
 }

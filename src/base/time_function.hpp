@@ -18,8 +18,8 @@ inline constexpr double no_jump = 1e-12;
 class TimeFunction {
 public:
   TimeFunction(double value = 0.0) : value_(value) {}
-  /// Throws std::invalid_argument with what is wrong and where in the text.
-  explicit TimeFunction(const std::string& expression);
+  /// Throws std::invalid_argument with what is wrong and where in the text. `key` is how messages call it: "uy" in [boundary.top].
+  explicit TimeFunction(const std::string& expression, std::string key = "an expression");
 
   /// At that time [s] and place [m]. Throws RunError if the expression has no finite value there.
   double at(double t, const Vec3& x = Vec3::Zero()) const;

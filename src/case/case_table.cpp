@@ -136,7 +136,7 @@ const Table<GridInput>& grid_table() {
         .only_without("file");
     t.vector(
          "origin", [](GridInput & g) -> auto& { return g.structured.origin; }, Unit::length,
-         "lower left corner (in space: lowest one), before the rotation")
+         "lower left corner (in space: lowest one), before the rotation", Range{-1e10, 1e10})
         .only_without("file");
     t.custom(cells_info(), read_cells).required().only_without("file");
     t.custom(cell_size_info(), read_cell_size).only_without("file");
@@ -152,7 +152,7 @@ const Table<GridInput>& grid_table() {
              "cells lose accuracy; supports of nodes ([boundary.NAME]) then have to lie on the edges of the grid. GIMP (quads "
              "and hexahedra): means over a box about the point, of linear functions, with the edges of the start (ugimp) or "
              "following the stretch (cpgimp), or of quadratic B-splines (b2gimp). cpdi (any grid): means over a parallelogram "
-             "or parallelepiped that deforms with the body. Default: linear where no point crosses a cell (small strain, total Lagrangian), else cpgimp, for soil (without fluids) ugimp, or cpdi on grids without quads or hexahedra in rows")
+             "or parallelepiped that deforms with the body. Default: linear where no point crosses a cell (small strain, total Lagrangian) and none is of a mesh file, else cpgimp, for soil (without fluids) ugimp, or cpdi on grids without quads or hexahedra in rows")
         .no_default();
     t.vector("size", &GridInput::size, Unit::length, "of the whole grid; or give `cell_size`", positive())
         .only_without("file");

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bc/case_lookup.hpp"
 #include "law/kinds.hpp"
 
@@ -61,30 +63,41 @@ void choose_formulation(Case& c, Node& root) {
                                    : "specimens of brittle laws crack but hardly move: no point crosses a cell"});
 }
 
+/// Points of a file's elements lie anywhere in the cells, with no shape of the body to fit them to.
+bool has_points_of_files(const Case& c) {
+  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.rigid && !b.mesh_file.empty(); });
+}
+
 void choose_functions(Case& c, Node& root) {
   const bool moves = moves_through_grid(c);
   if (is_given(root, "grid", "shape_functions")) {
-    if (moves && c.shape_functions == ShapeFunctions::linear)
+    if (c.shape_functions != ShapeFunctions::linear) return;
+    if (has_points_of_files(c))
+      c.choices.push_back("grid.shape_functions = \"linear\", as the case says: points of a mesh file weigh unevenly in the cells (a block under pressure is up to a "
+                          "fifth too soft); without the key their domains fill the cells");
+    if (moves)
       c.choices.push_back("grid.shape_functions = \"linear\", as the case says: points that cross cells lose stress and "
                           "energy (a block squeezed by 10 % carries two thirds of its load); without the key they do not");
     return;
   }
   const bool fits = c.quadrature == Quadrature::points && c.volumetric != Volumetric::mixed && !has_gauss_points(c);
-  if (!moves) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
+  if (!moves && !(fits && has_points_of_files(c))) return write(c, root, "grid", "shape_functions", {"linear", "no point crosses a cell"});
   if (!fits)
     return write(c, root, "grid", "shape_functions", {"linear", "what else the case asks for goes with no other ones"});
   const bool soil = any_law(c, is_soil);
   if (!has_boxes(c)) {
     c.shape_functions = ShapeFunctions::cpdi;
-    write(c, root, "grid", "shape_functions", {"cpdi", "points move through the grid, which is not of boxes"});
-  } else if (soil && !has_fluid(c)) {  // water with ugimp runs through the floor of the grid
+    write(c, root, "grid", "shape_functions",
+          {"cpdi", moves ? "points move through the grid, which is not of boxes" : "points of a mesh file lie anywhere in the cells, which are no boxes"});
+  } else if (moves && soil && !has_fluid(c)) {  // water with ugimp runs through the floor of the grid
     c.shape_functions = ShapeFunctions::ugimp;
     write(c, root, "grid", "shape_functions",
           {"ugimp", "points move through the grid and far past each other: their domains keep their size"});
   } else {
     c.shape_functions = ShapeFunctions::cpgimp;
     write(c, root, "grid", "shape_functions",
-          {"cpgimp", "points move through the grid: their domains cross the lines of the cells smoothly"});
+          {"cpgimp", moves ? "points move through the grid: their domains cross the lines of the cells smoothly"
+                           : "points of a mesh file lie anywhere in the cells: their domains fill them"});
   }
 }
 

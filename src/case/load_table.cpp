@@ -43,7 +43,7 @@ Table<Where::HalfSpace> half_space_table() {
       .required();
   t.vector("normal", &HalfSpace::normal, Unit::none, "points to the side that is meant").required();
   t.check([](Scope& s, HalfSpace& h) {
-    if (h.normal.isZero()) s.error("normal", "must not be zero");
+    if (h.normal.isZero(0.0)) s.error("normal", "must not be zero");
   });
   return t;
 }
@@ -118,8 +118,7 @@ Table<NodeBoundary> boundary_table() {
     else
       s.at_least_one({"ux", "uy", "uz", "normal"});
     if (b.normal && b.u[2]) s.error("uz", "is only allowed without \"normal\"");
-    if (b.normal && b.normal->isZero()) s.error("normal", "must not be zero");
-    if (b.normal) b.normal->normalize();
+    if (b.normal) make_unit(s, "normal", *b.normal);
   });
   add_stages(t);
   return t;

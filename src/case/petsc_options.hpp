@@ -1,6 +1,6 @@
 #pragma once
-/// What a case may ask of PETSc: options of solvers. PETSc's others reach the whole process, and some write files, load
-/// libraries or run programs, which a case file from elsewhere must not do.
+/// What a case may ask of PETSc: some options of solvers, with values in a range. Of PETSc's others some reach the whole process, write files,
+/// load libraries or run programs, which a case file from elsewhere must not do, and some end the process or never end.
 
 #include <string>
 

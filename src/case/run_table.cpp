@@ -17,15 +17,10 @@ Table<Nominal> nominal_table() {
   t.name("displacement", &Nominal::displacement, "name of a rigid body, boundary or gauge",
            "whose motion is the imposed displacement");
   t.vector("direction", &Nominal::direction, Unit::none, "both are measured along it; made a unit vector");
-  t.number("area", &Nominal::area, Unit::area, positive(), "nominal stress = load / area");
-  t.number("length", &Nominal::length, Unit::length, positive(), "nominal strain = displacement / length");
-  t.check([](Scope& s, Nominal& n) {
-    if (n.direction.norm() > 0.0) {
-      n.direction.normalize();
-    } else {
-      s.error("direction", "must not be zero");
-    }
-  });
+  const Range any_size{1e-100, 1e100};
+  t.number("area", &Nominal::area, Unit::area, any_size, "nominal stress = load / area");
+  t.number("length", &Nominal::length, Unit::length, any_size, "nominal strain = displacement / length");
+  t.check([](Scope& s, Nominal& n) { make_unit(s, "direction", n.direction); });
   return t;
 }
 
@@ -83,7 +78,7 @@ Table<Solver> solver_table() {
       "large systems (1.5 times on two processes from 40 000 unknowns on), last digits differ from run to run");
   t.number("linear_tolerance", &Solver::linear_tolerance, Unit::none, {0.0, 1.0, true, true},
            "iterative: residual over right-hand side");
-  t.text("petsc", &Solver::petsc, "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\"; others, and those that write files, need berm run --allow-petsc-files");
+  t.text("petsc", &Solver::petsc, "options of PETSc's solvers, e.g. \"-ksp_view -snes_monitor\" (a wrong one is answered by the list of all); any others need berm run --allow-petsc-files");
   return t;
 }
 

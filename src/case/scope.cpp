@@ -149,7 +149,7 @@ std::optional<TimeFunction> read_function(const Scope& scope, const Node::Entry&
     return number ? std::optional(TimeFunction(*number)) : std::nullopt;
   }
   try {
-    const TimeFunction function(*text);
+    const TimeFunction function(*text, an_entry(scope, entry.key));
     if (of_place || !function.depends_on_place()) return function;
     scope.problems.error(entry.value.place, fmt::format("{}: \"{}\" may depend on the time t, not on x, y, z",
                                                         an_entry(scope, entry.key), *text));

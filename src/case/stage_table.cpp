@@ -12,7 +12,7 @@ void add_steps(Table<T>& t, Get get) {
   t.choice("analysis", of(&Steps::analysis),
            Words<Analysis>{{"quasi_static", Analysis::quasi_static}, {"dynamic", Analysis::dynamic}},
            "equilibrium of forces, or motion with inertia");
-  t.number("duration", of(&Steps::duration), Unit::time, Range{1e-100, infinity}, "how long it takes");
+  t.number("duration", of(&Steps::duration), Unit::time, Range{1e-100, 1e100}, "how long it takes");
   t.integer("count", of(&Steps::count), {1.0}, "increments when none is cut");
   t.boolean("adaptive", of(&Steps::adaptive), "steps shrink where they must and grow again where they can");
   t.number("min_fraction", of(&Steps::min_fraction), Unit::none, {0.0, 1.0, true, false},

@@ -238,11 +238,17 @@ void report_unknown(const Scope& scope, const std::vector<std::string>& valid) {
   }
 }
 
+void make_unit(const Scope& scope, std::string_view key, Vec3& direction) {
+  if (direction.isZero(0.0)) return scope.error(key, "must not be zero");
+  direction.stableNormalize();
+}
+
 void report_bad_name(const Scope& scope, const Node::Entry& entry) {
   constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-  if (!entry.key.empty() && entry.key.find_first_not_of(allowed) == std::string::npos) return;
-  scope.problems.error(entry.place,
-                       fmt::format("name \"{}\"{} must be made of letters, digits, _ and -", entry.key, scope.where()));
+  constexpr std::size_t longest = 100;  // with what else the name of a file has
+  if (!entry.key.empty() && entry.key.size() <= longest && entry.key[0] != '_' && entry.key.find_first_not_of(allowed) == std::string::npos) return;
+  scope.problems.error(entry.place, fmt::format("name \"{}\"{} must be made of letters, digits, _ and -, begin with no _ and have at most {} of them", entry.key,
+                                                scope.where(), longest));
 }
 
 }  // namespace berm

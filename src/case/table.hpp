@@ -64,6 +64,9 @@ std::string default_text(const std::optional<Node>& plane, const std::optional<N
 /// Reports the keys of the table that are not in `valid`.
 void report_unknown(const Scope& scope, const std::vector<std::string>& valid);
 
+/// Makes a direction a unit vector; reports one of length zero.
+void make_unit(const Scope& scope, std::string_view key, Vec3& direction);
+
 /// Reports a NAME of [key.NAME] that could not serve as a column or file name.
 void report_bad_name(const Scope& scope, const Node::Entry& entry);
 

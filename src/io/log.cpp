@@ -125,6 +125,8 @@ void Progress::update(const ProgressState& state, Clock::time_point now) {
 }
 
 std::string duration_text(double seconds) {
+  constexpr double ages = 1e12;
+  if (!(seconds < ages)) return "ages";
   const long s = std::lround(std::ceil(seconds));
   if (s < 60) return fmt::format("{} s", s);
   if (s < 3600) return fmt::format("{} min {} s", s / 60, s % 60);

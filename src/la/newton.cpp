@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <span>
 #include <sstream>
+#include <string_view>
 
 #include "base/error.hpp"
 #include "base/system_file.hpp"
@@ -77,15 +78,16 @@ void start_petsc(const std::string& options) {
   if (!std::getenv("OPENBLAS_NUM_THREADS"))
     if (auto* set_threads = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")))
       set_threads(1);
-  // A single process needs no mpiexec; Open MPI asks for these two before it runs as root (containers, CI).
-  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
-  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants, nor a folder: all such processes would
-  // have the same one, and one that ends would remove it while another begins.
+  // have the same one, and one that ends would remove it while another begins. Nor what is set for several, or for another Open MPI.
   if (!rank_of_launcher()) {
+    forget_variables([](std::string_view name) { return name.starts_with("OMPI_") || name.starts_with("OPAL_") || name.starts_with("PMIX_"); });
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   }
+  // Open MPI asks for these two before it runs as root (containers, CI).
+  setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
+  setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
   PetscBool running = PETSC_FALSE;
   PetscInitialized(&running);
   if (!running) {

@@ -259,7 +259,9 @@ SeededPoints seed_from_grid(const Region& region, const Grid& grid, const PointS
     const bool solid = region.dimension() == 3;
     Vec3 low = grid.mesh.nodes[0], high = low;
     for (const Vec3& x : grid.mesh.nodes) low = low.cwiseMin(x), high = high.cwiseMax(x);
-    const double rounding = 1e-9 * (high - low).norm();
+    const double extent = (high - low).norm(), rounding = 1e-9 * extent, size = (region.max() - region.min()).norm();
+    if (size < 1e-6 * extent)
+      throw InputError(fmt::format("body \"{}\" is {:.3g} m large, and the background grid {:.3g} m: it is lost between the nodes. Are its lengths right?", body, size, extent));
     if (solid && grid.boxes && ((region.min() - low).array() >= -rounding).all() && ((high - region.max()).array() >= -rounding).all())
       throw InputError(fmt::format("body \"{}\" has a volume of {:.6g} m3, of which the cells find {:.6g} m3: parts of its surface overlap, and what lies in several "
                                    "of them counts once. Unite the parts",

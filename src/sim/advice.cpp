@@ -102,7 +102,8 @@ std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips)
   for (const Contact& k : c.contacts)
     if (k.kind == Contact::Kind::friction && acts_in(k.stages, stage.name)) rubbing.push_back("[contact." + k.name + "]");
   const std::string friction = slips || rubbing.empty() ? "" : fmt::format(" (perhaps the friction of {} cannot hold it, or it tips)", fmt::join(rubbing, ", "));
-  return fmt::format("{}{}: {}", what, friction, fmt::join(ways, ", or "));
+  const char* petsc = c.solver.petsc.empty() ? "" : "First without \"petsc\" in [solver]. ";
+  return fmt::format("{}{}{}: {}", petsc, what, friction, fmt::join(ways, ", or "));
 }
 
 std::string advice_on_penetration(const Case& c) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 #include "base/error.hpp"
 #include "sim/recovery.hpp"
@@ -45,6 +47,13 @@ void Recorder::open_history() {
     if (world_.comm.is_root())
       history_ = std::make_unique<HistoryWriter>((folder_ / "history.csv").string(), columns());
   });
+}
+
+/// What history.csv holds; nothing beside the first process.
+std::string Recorder::history_text() const {
+  if (!world_.comm.is_root()) return "";
+  std::ifstream file(folder_ / "history.csv", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 void Recorder::start() {
@@ -189,10 +198,12 @@ void Recorder::resume(const RecorderState& s) {
         fmt::format("the checkpoint has a history of {} columns, this case one of {}: gauges, probes, bodies and "
                     "boundaries must be those of the run that is to go on",
                     s.columns, n_columns_));
+  const std::string there = history_text();
   open_history();
   for (std::size_t k = 0; k < s.rows.size(); k += n_columns_)
     append({s.rows.begin() + static_cast<std::ptrdiff_t>(k),
             s.rows.begin() + static_cast<std::ptrdiff_t>(k) + n_columns_});
+  const bool of_another_run = !there.empty() && !there.starts_with(history_text());
   row_load_ = rows_[rows_.size() - n_columns_ + load_column];
   steps_ = s.steps;
   cut_steps_ = s.cut_steps;
@@ -204,7 +215,7 @@ void Recorder::resume(const RecorderState& s) {
   gap_scatter_ = s.gap_scatter;
   for (std::size_t k = 0; k < s.quality.size(); k += 3)
     quality_.push_back({s.quality[k], s.quality[k + 1], s.quality[k + 2]});
-  restore_frames(s.frames);
+  restore_frames(of_another_run ? decltype(s.frames)() : s.frames);
   if (s.peak_pending) peak_ = take_frame();  // see before_checkpoint
 }
 

@@ -79,6 +79,7 @@ private:
   bool energy_is_rounding() const;  ///< then its error means nothing. Collective.
   void write_row(const StepResult& result, Integration integration);
   void open_history();
+  std::string history_text() const;
   void append(const std::vector<double>& row);
   std::vector<std::pair<std::string, double>> load_metrics() const;
   /// How good the stresses were at a load.

@@ -1,10 +1,13 @@
 #include "sim/surfaces.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 
+#include "base/error.hpp"
 #include "method/depth.hpp"
 
 namespace berm {
@@ -75,6 +78,7 @@ FacePieces divide_quad(const std::array<Vec3, 4>& p, int n) {
 }  // namespace
 
 void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spacing, std::vector<SurfacePoint>& out) {
+  constexpr double most_on_a_face = 1e6, most_in_all = 3e7;
   std::map<int, std::vector<std::string>> groups;
   for (const auto& [name, nodes] : mesh.node_groups)
     for (int node : nodes) groups[node].push_back(name);
@@ -88,7 +92,11 @@ void add_surface_of_mesh(const Case& c, int body, const Mesh& mesh, double spaci
       p[k] = mesh.nodes[node[k]];
     }
     for (int k = 0; k < face.n; ++k) longest = std::max(longest, (p[(k + 1) % face.n] - p[k]).norm());
-    const int n = std::max(2, static_cast<int>(std::ceil(longest / spacing - 1e-9)));
+    const double along = std::max(2.0, std::ceil(longest / spacing - 1e-9)), count = face.n == 2 ? along : along * along;
+    if (count > most_on_a_face || count + static_cast<double>(out.size()) > most_in_all)
+      throw InputError(fmt::format("body \"{}\": an edge of {:.3g} m would be cut into {:.3g} pieces, as elements are only {:.3g} m large in the mean: they are too flat, or too unlike",
+                                   c.bodies[body].name, longest, along, spacing * surface_points_per_cell(c)));
+    const int n = static_cast<int>(along);
     const FacePieces pieces = face.n == 2   ? divide_edge(p[0], p[1], n)
                               : face.n == 3 ? divide_triangle(p, n)
                                             : divide_quad(p, n);
