@@ -60,6 +60,11 @@ inline bool has_gauss_points(const Case& c) {
   });
 }
 
+/// Points of a file's elements lie anywhere in the cells, with no shape of the body to fit them to.
+inline bool has_points_of_files(const Case& c) {
+  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.rigid && !b.mesh_file.empty(); });
+}
+
 inline bool share_a_stage(const Stages& a, const Stages& b) {
   return a.empty() || b.empty() || std::find_first_of(a.begin(), a.end(), b.begin(), b.end()) != a.end();
 }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "bc/case_lookup.hpp"
 #include "law/kinds.hpp"
 
@@ -61,11 +59,6 @@ void choose_formulation(Case& c, Node& root) {
   write(c, root, "model", "formulation",
         {"total_lagrangian", mixed ? "the mixed formulation goes with linear functions, which lose stress where points cross cells"
                                    : "specimens of brittle laws crack but hardly move: no point crosses a cell"});
-}
-
-/// Points of a file's elements lie anywhere in the cells, with no shape of the body to fit them to.
-bool has_points_of_files(const Case& c) {
-  return std::any_of(c.bodies.begin(), c.bodies.end(), [](const Body& b) { return !b.rigid && !b.mesh_file.empty(); });
 }
 
 void choose_functions(Case& c, Node& root) {

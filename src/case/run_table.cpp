@@ -64,7 +64,7 @@ Table<Solver> solver_table() {
   t.boolean("line_search", &Solver::line_search, "shorten Newton steps that do not reduce the residual");
   t.number("ghost_penalty", &Solver::ghost_penalty, Unit::none, non_negative(),
            "stabilisation of barely filled cells in units of Young's modulus; 0 switches it off. Default: 0.001; with domains that follow the body "
-           "(finite strain, updated Lagrangian) of solids other than soil 0.03")
+           "(finite strain, updated Lagrangian) of solids other than soil, and of points from mesh files, 0.03")
       .no_default();
   using Linear = Solver::Linear;
   t.choice(
