@@ -52,6 +52,7 @@ class Trial:
     displacement: float  # largest of any point at the end [m]
     reason: str
     folder: str
+    warnings: list  # of the run
 
 
 def quantity(value, units, key):
@@ -133,12 +134,12 @@ class Search:
         # One of an earlier search says nothing of this run.
         if done.returncode not in (0, 1) or version_of(summary) in (None, before):
             raise NoFactor(f"no results in {folder}: {said}")
-        return Run(folder)
+        return Run(folder), [line for line in said.splitlines() if line.startswith("warning: ")]
 
     def attempt(self, factor):
         """Runs the case with its strength divided by a factor; the first one is the case itself. Does it stand?"""
         folder = os.path.join(self.out, f"F_{factor:.4f}")
-        run = self.run(folder, [o for name, table in self.materials.items() for o in reduced(name, table, factor)])
+        run, warnings = self.run(folder, [o for name, table in self.materials.items() for o in reduced(name, table, factor)])
         if not self.materials:
             self.read_materials(folder)
         status, reason = run.summary.get("status"), run.summary.get("reason", "")
@@ -146,7 +147,7 @@ class Search:
             raise NoFactor(f"the run with F = {factor:.4f} ended early: {status}: {reason}")
         displacement = float(np.linalg.norm(run.last()["displacement"], axis=1).max())
         share = float(run.history["time"][-1]) / self.duration(folder)
-        trial = Trial(factor, status == "done", share, displacement, reason.split(" (")[0], folder)
+        trial = Trial(factor, status == "done", share, displacement, reason.split(" (")[0], folder, warnings)
         standing = min((t for t in self.trials if t.stands), key=lambda t: t.factor, default=None)
         if trial.stands and standing and displacement > self.options.jump * standing.displacement:
             trial.stands = False
@@ -251,6 +252,9 @@ def main(arguments=None):
     except ResultError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
+    for trial in search.trials:
+        if trial.factor == low:
+            print("".join(f"the run that stands at F = {low:.4g}: {line}\n" for line in trial.warnings), end="", file=sys.stderr)
     print(f"factor of safety {0.5 * (low + high):.3f} +- {0.5 * (high - low):.3f}")
     print(os.path.join(search.out, "factor_of_safety.csv"))
     return 0

@@ -119,12 +119,22 @@ def silent_vtk():
         vtkLogger.SetStderrVerbosity(vtkLogger.ConvertToVerbosity(before))
 
 
+def check_size(path):
+    """VTK makes room for as many points and cells as the head of a file names, and ends the process if it cannot."""
+    most = 1000 * os.path.getsize(path)  # as many bytes zlib makes of one
+    with open(path, "rb") as file:
+        head = file.read(4096)
+    if any(int(number) > most for number in re.findall(rb'NumberOf(?:Points|Cells)="(\d{1,30})', head)):
+        raise ResultError(f"{path}: names more points or cells than it can hold: it is damaged (run the case again)")
+
+
 def read_grid(path):
     """The vtkUnstructuredGrid of one .vtu."""
     from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
     if not os.path.isfile(path):
         raise ResultError(f"{path} does not exist")
+    check_size(path)
     reader = vtkXMLUnstructuredGridReader()
     errors = []
     for source in (reader, reader.GetExecutive()):
@@ -401,6 +411,8 @@ class Run:
                 f"{self.path} holds no history.csv: not the output folder of a run, or the run never started"
             )
         self.history, self.units, _ = read_table(history)
+        if not np.isfinite(self.history.get("time", 0.0)).all():
+            raise ResultError(f"{history}: a row has no time: it is damaged (run the case again)")
         summary = os.path.join(self.path, "summary.json")
         self.summary = read_summary(summary) if os.path.isfile(summary) else {}
         self.frames, self.mesh_frames = (

@@ -98,7 +98,9 @@ void Scope::exactly_one(const std::vector<std::string>& keys) const {
       continue;
     }
     std::string remedy;
-    if (first->value.place.file != entry->value.place.file) {
+    if (const Node::Entry* given = !entry->value.place.override.empty() ? entry : !first->value.place.override.empty() ? first : nullptr) {
+      remedy = fmt::format(" (an override changes keys and takes none away: leave \"{}\" out of the case, or override that)", given == entry ? first->key : entry->key);
+    } else if (first->value.place.file != entry->value.place.file) {
       const Node::Entry* inherited = first->value.place.file == place.file ? entry : first;
       remedy = fmt::format(" (\"{}\" comes from {}; drop it with remove = [\"{}\"])", inherited->key,
                            inherited->value.place.text(), path_of(inherited->key));

@@ -49,13 +49,16 @@ void keep_order_of_sums() {
   if (processes > 2 && !chosen) PetscOptionsSetValue(nullptr, "-matptap_via", "backend");
 }
 
+bool no_room = false;
+
 /// OpenBLAS takes memory for itself when it is first called, and asks for ever where it cannot have it.
 void check_room() {
   constexpr std::size_t needed = std::size_t(160) << 20;
   static bool had = false;  // it keeps what it has taken
   if (had || !dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) return;
   void* room = mmap(nullptr, needed, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (room == MAP_FAILED)
+  no_room = room == MAP_FAILED;
+  if (no_room)
     throw RunError(fmt::format("the linear algebra needs {} MB of addresses for itself, and this process may not have as many: raise its limit (ulimit -v, ulimit -d)",
                                needed >> 20));
   munmap(room, needed);
@@ -105,6 +108,12 @@ void start_petsc(const std::string& options) {
     // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file
     // sizes, gets an error from the system instead.
     for (const int number : {SIGPIPE, SIGXFSZ}) std::signal(number, SIG_IGN);
+    // A thread of OpenBLAS may be asking, and the end of the process would wait for it.
+    std::atexit([] {
+      if (!no_room) return;
+      std::fflush(nullptr);
+      std::_Exit(1);
+    });
     // MPI cannot be started twice in a process: it ends with the process, not with the run.
     std::atexit([] { PetscFinalize(); });
   }

@@ -1,8 +1,11 @@
 #include "sim/implicit_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "bc/case_lookup.hpp"
 
@@ -138,6 +141,11 @@ void ImplicitStep::lay_out(bool symmetric) {
       if (mine && !pressure_[k / dimension_].isZero(0.0)) border.column_rows.push_back(k);  // they may turn
       if (functional_[k / dimension_][k % dimension_] != 0.0) border.row_columns.push_back(k);
     }
+    const std::vector<char>& fixed = world_.boundary->fixed();
+    const bool held = std::all_of(border.row_columns.begin(), border.row_columns.end(), [&](int k) { return fixed[k]; });
+    if (world_.comm.all(held))
+      throw RunError(fmt::format("[gauge.{}]: both ends are where all nodes are held: [control] kind = \"gauge\" cannot make it grow. Put one of them where the body moves",
+                                 world_.spec.control.gauge));
   }
   const bool same = world_.comm.all(connectivity_ == d.connectivity && border_ == border);
   if (same && symmetric == symmetric_) return;

@@ -73,6 +73,9 @@ def cells_in_one_another():
     return wrong(berm("check", "case.toml", text=lying), 2, "twice.msh: two cells of the grid lie in one another near (0.5, 0.5)")
 
 
+PRESSED = '[pressure.p]\nbody = "a"\nwhere.box.min = [0.9999, -9.0]\nvalue = 1e3\n'
+
+
 @test
 def values_and_places_out_of_reach():
     """Each with its key: a function that loses its value in a step, a place beyond what a square can be taken of, a name that no file can have."""
@@ -80,6 +83,12 @@ def values_and_places_out_of_reach():
     far = CASE + "[gauge.g]\nfrom = [0.5, 0.5]\nto = [1e300, 0.5]\n"
     return (wrong(berm("run", "case.toml", text=lost), 1, '"uy" in [boundary.top]: "1e-3*sqrt((t - 0.4125)^2 - 1e-6)" is', "at t = 0.4125 s")
             or wrong(berm("check", "case.toml", text=far), 2, "case.toml:21:8: [gauge.g]: the point (1e+300, ")
+            or wrong(berm("run", "case.toml", text=far.replace("0.5, 0.5", "0.1, 0.0").replace("1e300, 0.5", "0.9, 0.0") + PRESSED + '[control]\nkind = "gauge"\ngauge = "g"\ntarget = -1e-4\n'), 1,
+                     "[gauge.g]: both ends are where all nodes are held")
+            or wrong(berm("check", "case.toml", text=CASE + PRESSED), 0)
+            or wrong(berm("check", "case.toml", "--set", "pressure.p.traction=[1.0, 0.0]", text=CASE + PRESSED), 2, 'leave "value" out of the case')
+            or wrong(berm("check", "case.toml", "--set", "method=fem", text=CASE.replace("max = [1.0, 1.0] }", "max = [1.0, 1e-14] }\nmesh = { kind = \"quads\", size = 1.0, structured = true }", 1), timeout=60), 2,
+                     "case.toml:9:7: ", "elements are only")
             or wrong(berm("check", "case.toml", text=CASE.replace("body.a", "body." + 101 * "a")), 2, "case.toml:9:7: name", "at most 100"))
 
 

@@ -27,6 +27,8 @@ angle = float(settings.get("material.soil.friction_angle", 20.0))
 by_cohesion, by_friction = 10e3 / cohesion, math.tan(math.radians(20.0)) / math.tan(math.radians(angle))
 assert abs(by_cohesion - by_friction) < 1e-9, "cohesion and friction must be reduced alike"
 assert float(settings.get("material.soil.dilatancy_angle", 0.0)) <= angle
+if by_cohesion > 1.3:
+    print("warning: strains of 0.2 in small strain", file=sys.stderr)
 falls, runs_out = by_cohesion > falls_at, settings.get("runs_out") == "true"
 
 synthetic.TRAVEL *= 10.0 if falls else 1.0 + 0.1 * by_cohesion

@@ -1,5 +1,6 @@
 import contextlib
 import os
+import re
 import shutil
 import tempfile
 import unittest
@@ -180,6 +181,16 @@ class Results(unittest.TestCase):
                 with self.assertRaisesRegex(ResultError, f"VTK cannot read {file_name}: it is damaged or cut off"):
                     read_points(file_name)
             self.assertEqual(said, [b""])
+
+    def test_more_points_than_a_file_can_hold(self):
+        path = synthetic.write_run(os.path.join(self.folder.name, "many"), cell=0.05, steps=5, frames=1)
+        file_name = os.path.join(path, "points_0000.vtu")
+        with open(file_name, "rb") as file:
+            whole = file.read()
+        with open(file_name, "wb") as file:
+            file.write(re.sub(rb'NumberOfPoints="\d+"', b'NumberOfPoints="400000000000"', whole))
+        with self.assertRaisesRegex(ResultError, f"{file_name}: names more points or cells than it can hold"):
+            read_points(file_name)
 
     def test_series_without_times_or_files(self):
         for entry in ('<DataSet file="a.vtu"/>', '<DataSet timestep="x" file="a.vtu"/>'):
