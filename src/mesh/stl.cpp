@@ -250,6 +250,7 @@ TriangleSurface read_stl(const std::string& path) {
     for (std::array<int, 3>& t : surface.triangles) std::swap(t[1], t[2]);
   for (int t = 0; t < surface.n_triangles(); ++t) surface.normals.push_back(area_vector(surface, t).normalized());
   check_closed(surface, path);
+  refuse_crossings(surface, path);
   return surface;
 }
 

@@ -45,5 +45,7 @@ void turn_outward(TriangleSurface& surface);
 /// Throws InputError that begins with `subject` unless the surface is closed, consistently oriented, encloses a
 /// positive volume, and its separate parts either lie apart or are cavities.
 void check_closed(const TriangleSurface& surface, const std::string& subject);
+/// Throws InputError that begins with `subject` if an edge runs through a triangle.
+void refuse_crossings(const TriangleSurface& surface, const std::string& subject);
 
 }  // namespace berm

@@ -90,6 +90,18 @@ bool has(const std::string& text, const char* part) { return text.find(part) != 
 
 }  // namespace
 
+TEST_F(Stl, PassesThroughItself) {
+  std::vector<Facet> pulled = cube();  // its last corner through the first one
+  for (Facet& f : pulled)
+    for (Vec3& x : f)
+      if (x == Vec3::Ones()) x = Vec3::Constant(-0.3);
+  EXPECT_NE(refusal(ascii(pulled)).find("passes through itself"), std::string::npos);
+  for (Facet& f : pulled)
+    for (Vec3& x : f)
+      if (x == Vec3::Constant(-0.3)) x = Vec3::Constant(0.3);  // a dent
+  EXPECT_EQ(read(ascii(pulled)).n_triangles(), 12);
+}
+
 TEST_F(Stl, AsciiRoundTrip) {
   const TriangleSurface original = triangulate({Sphere{Vec3(1, 2, 3), 0.5}}, 0.1);
   const TriangleSurface back = read(ascii(facets_of(original)));
