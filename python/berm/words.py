@@ -7,6 +7,7 @@ import math
 import os
 import re
 import sys
+import warnings
 
 
 def positive(text):
@@ -67,6 +68,8 @@ def _last_words(name, error):
 def run(main, name):
     """Runs the tool of that name and ends the process with its exit code; with 1 and one line in the place of a traceback if
     it fails in a way that it does not foresee, or if standard output is full, closed, or a reader that has gone."""
+    if not os.environ.get("BERM_TRACEBACK"):
+        warnings.simplefilter("ignore")  # of Python and its packages: they name lines of sources
     for stream in (sys.stdout, sys.stderr):
         if stream:  # None: closed
             stream.reconfigure(errors="as_it_came")

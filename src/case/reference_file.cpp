@@ -207,7 +207,7 @@ private:
     used_.push_back(column);
     if (unit.empty())
       return at(lines_[header_], fmt::format("column \"{}\" has no unit: write it behind the name, {} = \"{} [{}]\"", name,
-                                             axis.key, name, unit_in_round_brackets(name).value_or(std::string(file_unit(axis.units.back())))));
+                                             axis.key, name, unit_in_round_brackets(name).value_or(usual_unit(axis))));
     const auto meaning = meaning_of(unit);
     if (!meaning)
       return at(lines_[header_], fmt::format("column \"{}\" has the unknown unit \"{}\"; known: {}", name, unit,
@@ -215,6 +215,12 @@ private:
     if (std::find(axis.units.begin(), axis.units.end(), meaning->unit) != axis.units.end()) return "";
     return at(lines_[header_], fmt::format("column \"{}\" in [{}] cannot be {}, which is {}", name, unit, axis.key,
                                            axis.wanted));
+  }
+
+  /// A length or a force, where the axis may be one.
+  static std::string usual_unit(const Axis& axis) {
+    const Unit unit = axis.units[axis.units.size() > 1 ? 1 : 0];
+    return unit == Unit::none ? "-" : std::string(file_unit(unit));
   }
 
   /// "Weg (mm)", as other programs write it.

@@ -144,7 +144,7 @@ def standard_input():
 def waits_for_nothing():
     """What a run or a tool would wait for, or loop on, for ever: refused at once."""
     os.mkfifo("pipe")
-    odd = {"steps.duration=5e-324": "must be >= 1e-100", "solver.petsc=-pc_type mg": "gamg", "solver.petsc=-mat_mumps_icntl_22 1": "--allow-petsc-files"}
+    odd = {"steps.duration=5e-324": "must be 1e-100 <= value", "solver.petsc=-pc_type mg": "gamg", "solver.petsc=-mat_mumps_icntl_22 1": "--allow-petsc-files"}
     return (wrong(berm("run", "case.toml", "--force", "--restart", "pipe", timeout=60), 2, "pipe: is not a file")
             or wrong(berm("sweep", "/dev/zero", timeout=60), 2, "/dev/zero: is not a file")
             or wrong(berm("run", "case.toml", "--force", timeout=60, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_DATA, (150_000_000, 150_000_000))), 1, "ulimit -d")
