@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
@@ -55,6 +57,33 @@ void forget_variables(const std::function<bool(std::string_view)>& is_such) {
   for (char** variable = environ; *variable; ++variable)
     if (std::string name(*variable, std::strcspn(*variable, "=")); is_such(name)) names.push_back(std::move(name));
   for (const std::string& name : names) unsetenv(name.c_str());
+}
+
+namespace {
+
+/// Only what a handler of signals may call.
+void say_fault(int number) {
+  const auto say = [](const char* words) { static_cast<void>(!::write(STDERR_FILENO, words, std::strlen(words))); };
+  const char* name = sigdescr_np(number);
+  say("berm: ");
+  say(name ? name : "a fault");
+  say(": a fault of the program, or of a library that it uses; please report it. If the output folder has a checkpoint.h5, --restart goes on from it\n");
+  ::raise(number);  // SA_RESETHAND: as if nobody had caught it
+}
+
+}  // namespace
+
+void say_faults() {
+#ifdef __SANITIZE_ADDRESS__
+  return;  // it says more
+#endif
+  static std::array<char, 65536> stack;  // that of the thread may be what has run out
+  const stack_t other{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
+  sigaltstack(&other, nullptr);
+  struct sigaction action {};
+  action.sa_handler = say_fault;
+  action.sa_flags = SA_RESETHAND | SA_ONSTACK | SA_NODEFER;
+  for (const int number : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP}) sigaction(number, &action, nullptr);
 }
 
 std::string host_name() {

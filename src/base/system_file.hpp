@@ -26,6 +26,9 @@ bool is_first_process();
 /// Takes the variables of such names out of the environment.
 void forget_variables(const std::function<bool(std::string_view)>& is_such);
 
+/// A fault (SIGSEGV and the like) ends the process by its signal, as ever, but with a line that says so.
+void say_faults();
+
 /// The words of the operating system for an errno and, where there is one, what to do.
 std::string system_reason(int error);
 

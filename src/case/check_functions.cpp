@@ -55,6 +55,31 @@ public:
     for (const TimeFunction& component : f.component) look(component, stages, place);
   }
 
+  /// Steps take the changes of a motion: what it is already where it begins to act in a later stage never comes. Not told where it goes on with what another
+  /// boundary has moved until then.
+  template <class Component>
+  void look_at_beginnings(const NodeBoundary& b, const Component& component, const Place& place) const {
+    const TimeFunction* f = component(b);
+    if (!f || f->is_number() || f->depends_on_place()) return;
+    try {
+      for (std::size_t k = 1; k < c_.stages.size(); ++k) {
+        const std::string &before = c_.stages[k - 1].name, &now = c_.stages[k].name;
+        if (!acts_in(b.stages, now) || acts_in(b.stages, before)) continue;
+        const double t = c_.stages[k].begin, start = f->at(t);
+        const bool goes_on = std::any_of(c_.boundaries.begin(), c_.boundaries.end(), [&](const NodeBoundary& other) {
+          const TimeFunction* g = component(other);
+          return g && acts_in(other.stages, before) && !g->depends_on_place() && std::abs(g->at(t) - start) <= 1e-9 * std::abs(start);
+        });
+        if (std::abs(start) > no_jump && !goes_on)
+          problems_.warn(place, fmt::format("\"{0}\" is {1:.4g} m at t = {2:.6g} s, when [stage.{3}] begins in which it first acts, and only what it changes by from there on moves "
+                                            "the body: take \"{0} - ({1:.12g})\"",
+                                            f->text(), start, t, now));
+      }
+    } catch (const RunError&) {
+      return;  // told by look()
+    }
+  }
+
 private:
   void tell_unseen(const TimeFunction& f, const Stages& stages, const Place& place) const {
     constexpr double told = 0.2, seen = 0.05, little = 1e-3, most = 1e7;  // of the range in a stage; of the largest value in all
@@ -84,6 +109,21 @@ private:
   Problems& problems_;
 };
 
+/// The gauge finds the factor on a load as it is at the end of the run: what it is before then would be overheard.
+void refuse_change_under_gauge(const Case& c, const Pressure& p, const Place& place, Problems& problems) {
+  constexpr int samples = 20;
+  const TimeFunction& f = p.value;
+  if (f.is_number() || f.depends_on_place()) return;
+  try {
+    const double end = f.at(c.duration());
+    for (int k = 0; k <= samples; ++k)
+      if (std::abs(f.at(k * c.duration() / samples) - end) > 1e-9 * std::abs(end))
+        return problems.error(place, fmt::format("\"{}\" changes with the time, and [control] kind = \"gauge\" scales what it is at the end, {:.4g} Pa: write a number", f.text(), end));
+  } catch (const RunError&) {
+    return;  // told by look()
+  }
+}
+
 }  // namespace
 
 void check_functions(const Case& c, const Node& root, Problems& problems) {
@@ -94,10 +134,17 @@ void check_functions(const Case& c, const Node& root, Problems& problems) {
     functions.look(b.acceleration, {}, place_in(root, "body", b.name, "acceleration"));
   }
   for (const NodeBoundary& b : c.boundaries) {
-    for (int i = 0; i < 3; ++i)
-      if (b.u[i]) functions.look(*b.u[i], b.stages, place_in(root, "boundary", b.name, std::string("u") + "xyz"[i]));
-    functions.look(b.un, b.stages, place_in(root, "boundary", b.name, "un"));
+    for (int i = 0; i < 3; ++i) {
+      const Place place = place_in(root, "boundary", b.name, std::string("u") + "xyz"[i]);
+      if (b.u[i]) functions.look(*b.u[i], b.stages, place);
+      functions.look_at_beginnings(b, [i](const NodeBoundary& n) { return n.u[i] ? &*n.u[i] : nullptr; }, place);
+    }
+    const Place place = place_in(root, "boundary", b.name, "un");
+    functions.look(b.un, b.stages, place);
+    functions.look_at_beginnings(b, [](const NodeBoundary& n) { return &n.un; }, place);
   }
+  if (c.control.kind == Control::Kind::gauge)
+    for (const Pressure& p : c.pressures) refuse_change_under_gauge(c, p, place_in(root, "pressure", p.name, "value"), problems);
   for (const Pressure& p : c.pressures) {
     functions.look(p.value, p.stages, place_in(root, "pressure", p.name, "value"));
     if (p.traction) functions.look(*p.traction, p.stages, place_in(root, "pressure", p.name, "traction"));

@@ -56,6 +56,11 @@ bool Difference::of_the_model() const {
   return std::regex_match(key, fixed);
 }
 
+bool Difference::of_a_motion() const {
+  static const std::regex motion(R"(boundary\.[^.]+\.u[xyzn]|body\.[^.]+\.displacement(\[\d\])?)");
+  return std::regex_match(key, motion);
+}
+
 std::vector<Difference> differences(const std::string& before, const std::string& now) {
   const Values old_values = values_of(before), new_values = values_of(now);
   const std::map<std::string, std::string> old_by_key(old_values.begin(), old_values.end()), new_by_key(new_values.begin(), new_values.end());

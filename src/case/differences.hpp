@@ -11,6 +11,8 @@ struct Difference {
   std::string text() const { return key + " was " + before + ", now it is " + now; }
   /// Points, nodes and their state fit the one value only; else the key may change in a restart.
   bool of_the_model() const;
+  /// A prescribed motion: steps take its changes, so that another one counts from the restart on only.
+  bool of_a_motion() const;
 };
 
 /// Of two texts as Case::resolved has them, in the order of `now`; what only `before` has comes last.

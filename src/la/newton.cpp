@@ -103,7 +103,9 @@ void start_petsc(const std::string& options) {
     static int n_words = 2;
     static char** argv = words;
     check_petsc(PetscInitialize(&n_words, &argv, nullptr, nullptr), "start");
-    sigaction(SIGQUIT, &quit, nullptr);  // PETSc has words of its own for it
+    PetscPopSignalHandler();  // it has words of its own for faults, and another exit code
+    sigaction(SIGQUIT, &quit, nullptr);
+    say_faults();
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
     // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file
     // sizes, gets an error from the system instead.

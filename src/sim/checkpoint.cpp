@@ -194,7 +194,7 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
   file.commit();
 }
 
-std::vector<std::string> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
+std::vector<Difference> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
                                          StepControl& control) {
   Discretisation& d = *world.discretisation;
   const Comm& comm = world.comm;
@@ -258,9 +258,7 @@ std::vector<std::string> load_checkpoint(const std::string& path, World& world, 
   world.begin_step();
   if (as_many) restore_guess(file, world, step);
   recorder.resume(load_recorder(file));
-  std::vector<std::string> sentences;
-  for (const Difference& difference : changed) sentences.push_back(difference.text());
-  return sentences;
+  return changed;
 }
 
 }  // namespace berm

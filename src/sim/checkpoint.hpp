@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "case/differences.hpp"
 #include "sim/implicit_step.hpp"
 #include "sim/recorder.hpp"
 #include "sim/step_control.hpp"
@@ -14,9 +15,9 @@ void save_checkpoint(const std::string& path, const World& world, const Implicit
                      const Recorder& recorder, const StepControl& control);
 
 /// Puts the state of the file into a world that has just been built from the same case, or from one that differs in loads,
-/// numbers of materials, steps, solver or output; returns what differs, a sentence a key. Collective. Throws InputError if
+/// numbers of materials, steps, solver or output; returns what differs. Collective. Throws InputError if
 /// the file is no checkpoint, has changed since it was written, is of another version, or of another model.
-std::vector<std::string> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
+std::vector<Difference> load_checkpoint(const std::string& path, World& world, ImplicitStep& step, Recorder& recorder,
                                          StepControl& control);
 
 }  // namespace berm

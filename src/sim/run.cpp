@@ -73,12 +73,17 @@ public:
       recorder_.start();
       return;
     }
-    const std::vector<std::string> changed = load_checkpoint(options.restart, *world_, step_, recorder_, control_);
+    const std::vector<Difference> changed = load_checkpoint(options.restart, *world_, step_, recorder_, control_);
     write_case();
     watch_.resume(recorder_.watched(), step_.balance().reactions);
     log_.info(
         fmt::format("  goes on after step {}, time {:.6g}, of {}", recorder_.steps(), world_->time, options.restart));
-    for (const std::string& sentence : changed) log_.info("  changed since       " + sentence);
+    for (const Difference& difference : changed) {
+      if (difference.of_a_motion())
+        log_.warning(difference.text() + ": only what it changes by from here on moves anything, what it would have moved until now is not made up for");
+      else
+        log_.info("  changed since       " + difference.text());
+    }
   }
 
   void go() {

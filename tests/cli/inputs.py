@@ -85,6 +85,8 @@ def values_and_places_out_of_reach():
             or wrong(berm("check", "case.toml", text=far), 2, "case.toml:21:8: [gauge.g]: the point (1e+300, ")
             or wrong(berm("run", "case.toml", text=far.replace("0.5, 0.5", "0.1, 0.0").replace("1e300, 0.5", "0.9, 0.0") + PRESSED + '[control]\nkind = "gauge"\ngauge = "g"\ntarget = -1e-4\n'), 1,
                      "[gauge.g]: both ends are where all nodes are held")
+            or wrong(berm("check", "case.toml", text=far.replace("1e300, 0.5", "0.9, 0.5") + PRESSED.replace("1e3", '"1e3*(t < 0.5)"') + '[control]\nkind = "gauge"\ngauge = "g"\ntarget = -1e-4\n'), 2,
+                     "case.toml:27:1: ", "changes with the time")
             or wrong(berm("check", "case.toml", text=CASE + PRESSED), 0)
             or wrong(berm("check", "case.toml", "--set", "pressure.p.traction=[1.0, 0.0]", text=CASE + PRESSED), 2, 'leave "value" out of the case')
             or wrong(berm("check", "case.toml", "--set", "method=fem", text=CASE.replace("max = [1.0, 1.0] }", "max = [1.0, 1e-14] }\nmesh = { kind = \"quads\", size = 1.0, structured = true }", 1), timeout=60), 2,

@@ -81,6 +81,20 @@ def signals_at_the_start():
 
 
 @test
+def faults():
+    """A fault has a line and the exit code of its signal."""
+    pathlib.Path("long.toml").write_text(LONG)
+    for number in (signal.SIGSEGV, signal.SIGFPE, signal.SIGBUS):
+        shutil.rmtree("out", ignore_errors=True)
+        process = begun("out/long", "run", "long.toml", "--quiet")
+        process.send_signal(number)
+        _, said = process.communicate(timeout=60)
+        if process.returncode != -number or "a fault of the program" not in said or "PETSC" in said or len(said.splitlines()) > 1:
+            return f"{number}: {process.returncode}, {said}"
+    return ""
+
+
+@test
 def nohup():
     """A run that is not to hear of the end of its session goes on."""
     pathlib.Path("long.toml").write_text(LONG)

@@ -53,6 +53,8 @@ MODELS = {
     "a load without a value at the start": (GRID + ELASTIC + BLOCK + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace("VALUE", "1e3/t") + FEW,
                                             [("pressure.p", "\"1e3/t\" is inf at t = 0 s")]),
     "a motion without a value at the end": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"0.001*sqrt(0.5 - t)"') + FEW, [("boundary.top", "nan at t = ")]),
+    "a motion that is not 0 where it begins to act": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", '"-0.001*t"') + 'stages = ["second"]\n' + STAGES,
+                                                      [("boundary.top", "warning: -0.001*t\" is -0.001 m")]),
     "a gauge and nothing to scale": (GRID + ELASTIC + BLOCK + BASE + PRESSURE.replace("NAME", "p").replace("MIN", "[-9.0, 0.9999]").replace('"VALUE"', "0.0")
                                      + GAUGE.replace("NAME", "g").replace("TO", "[0.5, 0.8]") + '[control]\nkind = "gauge"\ngauge = "g"\ntarget = 0.001\n' + FEW,
                                      [("control", "all are zero")]),
