@@ -110,6 +110,18 @@ Ring to_ring(const BoostRing& source) {
   return ring;
 }
 
+/// Places so far away that those of one shape can hardly be told apart.
+void refuse_lost_in_rounding(const std::vector<Ring>& rings) {
+  constexpr double rounding = 1e-12;
+  Vec2 low = rings.front().front(), high = low;
+  for (const Ring& ring : rings)
+    for (const Vec2& x : ring) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double farthest = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
+  if (!((high - low).minCoeff() > rounding * farthest))
+    throw InputError(fmt::format("shape: it reaches {:.3g} m from the corner of the grid, or from the origin, and is {:.3g} m wide: its places are lost in rounding", farthest,
+                                 (high - low).minCoeff()));
+}
+
 }  // namespace
 
 ShapeRings evaluate_shape(const PlaneShape& shape, int arc_segments) {
@@ -124,6 +136,7 @@ ShapeRings evaluate_shape(const PlaneShape& shape, int arc_segments) {
     for (const auto& hole : polygon.inners()) out.rings.push_back(to_ring(hole));
   }
   if (out.rings.empty()) throw InputError("shape: nothing is left of it (the parts taken away cover it)");
+  refuse_lost_in_rounding(out.rings);
   return out;
 }
 

@@ -95,6 +95,20 @@ def values_and_places_out_of_reach():
 
 
 @test
+def shapes_out_of_reach():
+    """What crashed, or kept Gmsh for ever, far from the origin or where its places are lost in rounding."""
+    solid = re.sub(r"(min|max|origin) = \[([-0-9.e]+), ([-0-9.e]+)\]", r"\1 = [\2, \3, \3]", CASE.replace("cells = [6, 6]", "cells = [6, 6, 6]")) + "[model]\ndimension = 3\n"
+    plane = ("disc = { centre = [1e300, 0.5], radius = 0.5 }", "box = { min = [-1e308, -1e308], max = [1e308, 1e308] }", "disc = { centre = [0.5, 0.5], radius = 1e300 }",
+             "disc = { centre = [1e9, 0.5], radius = 1e-7 }", "polygon = [[1e300, 0], [2e300, 0], [1e300, 1e300]]")
+    space = ("sphere = { centre = [1e300, 0.5, 0.5], radius = 0.5 }", "cylinder = { from = [0, 0, 0], to = [0, 0, 1e300], radius = 0.5 }", "box = { min = [1e300, 0, 0], max = [2e300, 1, 1] }")
+    for text, shapes in ((CASE, plane), (solid, space)):
+        for shape in shapes:
+            if why := wrong(berm("check", "case.toml", text=re.sub(r"shape\.box = .*", "shape." + shape, text), timeout=60), 2, '"shape" in [body.a]'):
+                return f"{shape}: {why}"
+    return ""
+
+
+@test
 def factors_without_end():
     return (wrong(berm("factor_of_safety", "case.toml", "--tolerance", "1e-18", timeout=60), 2, "--tolerance must be at least 0.0001")
             or wrong(berm("factor_of_safety", "-", timeout=60), 2, "-: is not a file"))
