@@ -66,6 +66,14 @@ TEST(Differences, OfTheModelIsWhatTheHistoryHasColumnsOf) {
   EXPECT_TRUE(differences("[steps]\nanalysis = \"dynamic\"\n", "[steps]\nanalysis = \"quasi_static\"\n").at(0).of_the_model());
 }
 
+TEST(Differences, Motions) {
+  const auto first = [](const char* then, const char* now) { return differences(then, now).at(0).of_a_motion(); };
+  EXPECT_TRUE(first("[boundary.a]\nux = 0.0\n", "[boundary.a]\nux = 0.1\n"));
+  EXPECT_TRUE(first("[boundary.a]\nun = 0.0\n", "[boundary.a]\nun = \"t\"\n"));
+  EXPECT_TRUE(first("[body.a]\ndisplacement = [0.0, 0.0]\n", "[body.a]\ndisplacement = [0.0, 0.1]\n"));
+  EXPECT_FALSE(first("[pressure.a]\nvalue = 0.0\n", "[pressure.a]\nvalue = 0.1\n"));
+}
+
 TEST(Differences, FilesThatHoldSomethingElse) {
   const std::string path = testing::TempDir() + "mesh_of_differences.msh";
   const auto contents = [&](const char* text) {
