@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -91,15 +92,15 @@ Zoltan make_zoltan(const Comm& comm, Input& in) {
   return zoltan;
 }
 
-/// New part of every place of this process.
-std::vector<int> divide(Zoltan_Struct* zoltan, std::size_t n) {
+/// New part of every place of this process; nothing if Zoltan fails here.
+std::optional<std::vector<int>> divide(Zoltan_Struct* zoltan, std::size_t n) {
   int changes, gid_size, lid_size, n_import, n_export;
   ZOLTAN_ID_PTR import_global, import_local, export_global, export_local;
   int *import_rank, *import_part, *export_rank, *export_part;
   const int code = Zoltan_LB_Partition(zoltan, &changes, &gid_size, &lid_size, &n_import, &import_global, &import_local,
                                        &import_rank, &import_part, &n_export, &export_global, &export_local,
                                        &export_rank, &export_part);
-  check(code, "partition");
+  if (code != ZOLTAN_OK && code != ZOLTAN_WARN) return std::nullopt;
   std::vector<int> part(n);
   for (int i = 0; i < n_export; ++i) part[export_local[i]] = export_part[i];
   Zoltan_LB_Free_Part(&import_global, &import_local, &import_rank, &import_part);
@@ -129,12 +130,19 @@ std::vector<int> Partition::balance(const Comm& comm, int dim, std::span<const V
   if (places.size() != weights.size()) throw std::logic_error("a partition needs one weight a place");
   cuts_.clear();
   root_ = ~0;
-  const bool any_place = comm.any(!places.empty());
+  const long n_places = comm.sum(static_cast<long>(places.size()));
   const bool any_weight = comm.any(std::ranges::any_of(weights, [](double w) { return w > 0.0; }));
-  if (comm.size() == 1 || !any_place) return std::vector<int>(places.size(), 0);
+  if (comm.size() == 1 || n_places == 0) return std::vector<int>(places.size(), 0);
   Input in{comm.rank(), places, weights, !any_weight, dim};
   const Zoltan zoltan = make_zoltan(comm, in);
-  std::vector<int> part = divide(zoltan.get(), places.size());
+  std::optional<std::vector<int>> divided = divide(zoltan.get(), places.size());
+  if (!comm.all(divided.has_value())) {
+    // It fails on some of the processes where there are fewer places than processes: one process has room for those few.
+    constexpr long few = 64;
+    if (n_places > few * comm.size()) throw RunError("Zoltan: partition failed");
+    return std::vector<int>(places.size(), 0);
+  }
+  std::vector<int>& part = *divided;
 
   // Zoltan walks this tree itself, but through a handle that threads cannot share and that lives on MPI. It does not
   // give its cuts; they follow from the boxes: node k cuts between the parts below k and the others, and neither is

@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -95,8 +96,9 @@ void start_petsc(const std::string& options) {
   PetscInitialized(&running);
   if (!running) {
     raise_limit_of_open_files(64);  // Open MPI takes some 20 and has no words for too few of them, the files of a run are a dozen
-    struct sigaction quit {};
-    sigaction(SIGQUIT, nullptr, &quit);
+    constexpr std::array kept = {SIGQUIT, SIGHUP, SIGTERM, SIGURG};  // PETSc would make them its own, or what they are by default
+    std::array<struct sigaction, kept.size()> as_they_were;
+    for (std::size_t k = 0; k < kept.size(); ++k) sigaction(kept[k], nullptr, &as_they_were[k]);
     ignore_environment();
     static char name[] = "berm", no_file[] = "-skip_petscrc";
     static char* words[] = {name, no_file, nullptr};  // PETSc keeps them
@@ -104,7 +106,7 @@ void start_petsc(const std::string& options) {
     static char** argv = words;
     check_petsc(PetscInitialize(&n_words, &argv, nullptr, nullptr), "start");
     PetscPopSignalHandler();  // it has words of its own for faults, and another exit code
-    sigaction(SIGQUIT, &quit, nullptr);
+    for (std::size_t k = 0; k < kept.size(); ++k) sigaction(kept[k], &as_they_were[k], nullptr);
     say_faults();
     PetscPushErrorHandler(PetscReturnErrorHandler, nullptr);
     // Its handler ends the process on these two; whoever writes to a reader that has gone, or beyond the limit of file

@@ -112,7 +112,7 @@ Ring to_ring(const BoostRing& source) {
 
 /// Places so far away that those of one shape can hardly be told apart.
 void refuse_lost_in_rounding(const std::vector<Ring>& rings) {
-  constexpr double rounding = 1e-12;
+  constexpr double rounding = 1e-15;
   Vec2 low = rings.front().front(), high = low;
   for (const Ring& ring : rings)
     for (const Vec2& x : ring) low = low.cwiseMin(x), high = high.cwiseMax(x);

@@ -51,7 +51,7 @@ void Recorder::open_history() {
 
 /// What history.csv holds; nothing beside the first process.
 std::string Recorder::history_text() const {
-  if (!world_.comm.is_root()) return "";
+  if (!world_.comm.is_root() || !std::filesystem::is_regular_file(folder_ / "history.csv")) return "";
   std::ifstream file(folder_ / "history.csv", std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }

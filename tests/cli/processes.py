@@ -23,6 +23,18 @@ def too_many_processes():
 
 
 @test
+def fewer_cells_than_processes():
+    """Zoltan fails on some of the processes; the others waited for them for ever."""
+    top = "min = [-9.0, 0.9999], max = [9.0, 1.0001]"
+    for columns in (1, 2, 3):
+        small = CASE.replace("max = [1.0, 1.0] }", f"max = [{0.25 * columns}, 0.25] }}", 1).replace(top, "min = [-9.0, 0.2499], max = [9.0, 0.2501]")
+        for n in ("2", "4"):
+            if why := wrong(berm("run", "case.toml", "--quiet", "--force", "-n", n, "--oversubscribe", text=small, timeout=60), 0):
+                return f"{columns} cells, -n {n}: {why}"
+    return ""
+
+
+@test
 def no_path():
     environment = {k: v for k, v in os.environ.items() if k not in ("PATH", "TMPDIR")}
     for path in ({}, {"PATH": ""}, {"PATH": "/nowhere"}):
