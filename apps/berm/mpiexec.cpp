@@ -210,7 +210,7 @@ void say_to_parent(std::string_view line) {
 std::string settings_of_mpi() {
   std::string all;
   for (char** entry = environ; *entry; ++entry)
-    if (const std::string_view word = *entry; word.starts_with("OMPI_") || word.starts_with("OPAL_") || word.starts_with("PMIX_")) all += fmt::format("{}{}", all.empty() ? "" : ", ", word);
+    if (const std::string_view word = *entry; berm::is_setting_of_mpi(word)) all += fmt::format("{}{}", all.empty() ? "" : ", ", word);
   return all;
 }
 

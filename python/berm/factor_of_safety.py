@@ -252,9 +252,8 @@ def main(arguments=None):
     except ResultError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
-    for trial in search.trials:
-        if trial.factor == low:
-            print("".join(f"the run that stands at F = {low:.4g}: {line}\n" for line in trial.warnings), end="", file=sys.stderr)
+    for line in next(trial.warnings for trial in search.trials if trial.factor == low):
+        print(f"the run that stands at F = {low:.4g}: {line}", file=sys.stderr)
     print(f"factor of safety {0.5 * (low + high):.3f} +- {0.5 * (high - low):.3f}")
     print(os.path.join(search.out, "factor_of_safety.csv"))
     return 0

@@ -23,6 +23,9 @@ const char* rank_of_launcher();
 /// Of several processes the one that speaks; true without an mpiexec.
 bool is_first_process();
 
+/// Whether a variable of that name says something to Open MPI.
+inline bool is_setting_of_mpi(std::string_view name) { return name.starts_with("OMPI_") || name.starts_with("OPAL_") || name.starts_with("PMIX_"); }
+
 /// Takes the variables of such names out of the environment.
 void forget_variables(const std::function<bool(std::string_view)>& is_such);
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <sstream>
@@ -96,7 +97,7 @@ const std::vector<Option>& options_of_solvers() {
 }
 
 /// Solvers inside of solvers; "newton_" and "fallback_" are berm's own (src/la).
-const std::vector<std::string> prefixes = {"newton_", "fallback_", "mg_levels_", "mg_coarse_", "sub_", "redundant_", "esteig_"};
+constexpr std::array<std::string_view, 7> prefixes = {"newton_", "fallback_", "mg_levels_", "mg_coarse_", "sub_", "redundant_", "esteig_"};
 
 constexpr const char* how = "; berm run --allow-petsc-files lets it";
 
@@ -115,7 +116,7 @@ std::string lower(std::string_view word) {
 std::string without_prefixes(std::string name) {
   for (bool cut = true; cut;) {
     cut = false;
-    for (const std::string& prefix : prefixes)
+    for (const std::string_view prefix : prefixes)
       if (name.starts_with(prefix)) name.erase(0, prefix.size()), cut = true;
   }
   return name;

@@ -142,7 +142,6 @@ std::vector<int> Partition::balance(const Comm& comm, int dim, std::span<const V
     if (n_places > few * comm.size()) throw RunError("Zoltan: partition failed");
     return std::vector<int>(places.size(), 0);
   }
-  std::vector<int>& part = *divided;
 
   // Zoltan walks this tree itself, but through a handle that threads cannot share and that lives on MPI. It does not
   // give its cuts; they follow from the boxes: node k cuts between the parts below k and the others, and neither is
@@ -159,7 +158,7 @@ std::vector<int> Partition::balance(const Comm& comm, int dim, std::span<const V
     if (axis == 3) throw RunError("Zoltan: its boxes do not fit together");
     cuts_.push_back({axis, right.low[axis], child(below), child(above)});
   }
-  return part;
+  return *divided;
 }
 
 int Partition::owner(const Vec3& x) const {

@@ -85,7 +85,7 @@ void start_petsc(const std::string& options) {
   // One process needs no daemon of Open MPI's beside it, nor the PATH which that wants, nor a folder: all such processes would
   // have the same one, and one that ends would remove it while another begins. Nor what is set for several, or for another Open MPI.
   if (!rank_of_launcher()) {
-    forget_variables([](std::string_view name) { return name.starts_with("OMPI_") || name.starts_with("OPAL_") || name.starts_with("PMIX_"); });
+    forget_variables(is_setting_of_mpi);
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   }
