@@ -171,8 +171,8 @@ class Search:
         factor, most = 1.0, self.options.most
         up = self.attempt(factor)
         while True:
-            following = factor * GROWTH if up else factor / GROWTH
-            if not 1.0 / most <= following <= most:
+            following = min(factor * GROWTH, most) if up else max(factor / GROWTH, 1.0 / most)
+            if following == factor:
                 raise NoFactor(f"the case still {'stands' if up else 'fails'} at F = {factor:.4g}; see --most")
             if self.attempt(following) != up:
                 return (factor, following) if up else (following, factor)
@@ -238,6 +238,8 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     if options.tolerance < LEAST_TOLERANCE:
         parser.error(f"--tolerance must be at least {LEAST_TOLERANCE}: trials are told apart by four digits")
+    if options.most <= 1.0:
+        parser.error("--most must be larger than 1: the search goes from 1/F to F")
     if not os.path.isfile(options.case):
         parser.error(f"{options.case}: is not a file (every trial reads it)")
     end_runs_with_the_tool()

@@ -365,6 +365,8 @@ class Curve:
             if dimension != self.DIMENSIONS[name]:
                 known = ", ".join(UNITS[self.DIMENSIONS[name]])
                 self._fail(self.header_line, f'column "{name}" has the unit "{unit}"; known: {known}')
+            if name in found:
+                self._fail(self.header_line, f'more than one column is "{name}"')
             found[name] = (k, factor)
         if len(found) < 2:
             self._no_column('" or "'.join(self.DIMENSIONS))

@@ -1,4 +1,6 @@
 /// Absorbing boundaries.
+#include <fmt/format.h>
+
 #include "base/findings.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
@@ -7,12 +9,19 @@ namespace berm {
 
 void BoundaryConditions::read_absorbing(const Case& c, const std::vector<SurfacePoint>& surface) {
   Findings found;
+  std::vector<std::vector<SurfacePart>> parts(c.absorbing.size());
   for (std::size_t k = 0; k < c.absorbing.size(); ++k) {
     const Absorbing& spec = c.absorbing[k];
     const int body = body_index(c, spec.body);
-    std::vector<SurfacePart> parts;
-    found.look([&] { parts = caught_surface("absorbing." + spec.name, spec.where, body, spec.body, surface, dimension_); });
-    for (const auto& [s, share] : parts) {
+    found.look([&] {
+      parts[k] = caught_surface("absorbing." + spec.name, spec.where, body, spec.body, surface, dimension_);
+      for (std::size_t j = 0; j < k; ++j)
+        if (share_a_stage(c.absorbing[j].stages, spec.stages) && overlap(parts[j], parts[k]))
+          throw InputError(fmt::format("[absorbing.{}] and [absorbing.{}] act on the same part of the surface of \"{}\", where "
+                                       "their dashpots would add up: make their regions disjoint",
+                                       c.absorbing[j].name, spec.name, spec.body));
+    });
+    for (const auto& [s, share] : parts[k]) {
       const Mat3 nn = s.normal * s.normal.transpose();
       DashpotPoint point;
       point.anchor = anchor_at(body, s.X, s.normal);

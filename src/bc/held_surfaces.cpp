@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
 #include <span>
 
 #include "base/findings.hpp"
@@ -32,13 +31,13 @@ void BoundaryConditions::refuse_disagreement(const NodeBoundary& spec, const Nod
                                              const std::vector<SurfacePoint>& surface) const {
   if (first.body != spec.body || !share_a_stage(first.stages, spec.stages) || !disagree(first, spec)) return;
   const int body = body_index(case_, spec.body);
-  std::map<const SurfacePoint*, double> share;  // a piece on the border of two regions has a part in each
-  for (const NodeBoundary* n : {&first, &spec})
-    for (const SurfacePart& part : caught_surface("boundary." + n->name, n->where, body, n->body, surface, dimension_))
-      if ((share[&part.piece] += part.share) > 1.0 + 1e-9)
-        throw InputError(fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements of the same part of the "
-                                     "surface of \"{}\": make their regions disjoint",
-                                     first.name, spec.name, spec.body));
+  const auto caught = [&](const NodeBoundary& n) {
+    return caught_surface("boundary." + n.name, n.where, body, n.body, surface, dimension_);
+  };
+  if (overlap(caught(first), caught(spec)))
+    throw InputError(fmt::format("[boundary.{}] and [boundary.{}] prescribe different displacements of the same part of the "
+                                 "surface of \"{}\": make their regions disjoint",
+                                 first.name, spec.name, spec.body));
 }
 
 void BoundaryConditions::read_held_surfaces(const Case& c, const std::vector<SurfacePoint>& surface) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.hpp"
 #include "mesh/closest_point.hpp"
@@ -70,6 +71,15 @@ std::vector<SurfacePart> caught_surface(const std::string& table, const Where& w
     throw InputError(
         fmt::format("[{}] catches no part of the surface of body \"{}\": check its where", table, body_name));
   return parts;
+}
+
+bool overlap(const std::vector<SurfacePart>& a, const std::vector<SurfacePart>& b) {
+  std::map<const SurfacePoint*, double> shares;
+  for (const SurfacePart& part : a) shares[&part.piece] += part.share;
+  return std::any_of(b.begin(), b.end(), [&](const SurfacePart& part) {
+    const auto found = shares.find(&part.piece);
+    return found != shares.end() && found->second + part.share > 1.0 + 1e-9;
+  });
 }
 
 std::vector<SurfacePart> without_strips(const std::vector<SurfacePart>& parts) {

@@ -50,6 +50,9 @@ std::vector<SurfacePart> caught_surface(const std::string& table, const Where& w
                                         const std::string& body_name, const std::vector<SurfacePoint>& surface,
                                         int dimension);
 
+/// Whether some place is in both: a piece on the border of two regions has a part in each.
+bool overlap(const std::vector<SurfacePart>& a, const std::vector<SurfacePart>& b);
+
 /// The parts without strips that the border of a region cuts off other faces where it lies a little beyond a corner: narrower than a
 /// piece, and less than a tenth of all.
 std::vector<SurfacePart> without_strips(const std::vector<SurfacePart>& parts);

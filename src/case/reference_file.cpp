@@ -192,13 +192,16 @@ private:
     for (std::size_t k = 0; k < 2; ++k) {
       const std::vector<std::size_t> found = matches(columns_, names[k]);
       if (found.empty()) return at(lines_[header_], no_column(names[k], columns_));
-      if (found.size() > 1)
-        return at(lines_[header_], fmt::format("more than one column is \"{}\": rename them", names[k]));
+      if (found.size() > 1) return more_than_one(names[k]);
       const std::string unit = column_of(names[k]).unit;
       const std::string fault = take(found[0], unit.empty() ? columns_[found[0]].unit : unit, axes[k]);
       if (!fault.empty()) return fault;
     }
     return "";
+  }
+
+  std::string more_than_one(std::string_view name) const {
+    return at(lines_[header_], fmt::format("more than one column is \"{}\": rename them", name));
   }
 
   /// Takes the column as that axis, if it has a unit for it.
@@ -254,12 +257,13 @@ private:
                                              columns_.back().text()));
     }
     for (const Axis& axis : axes)
-      for (const auto& [name, unit] : axis.columns)
-        for (std::size_t k = 0; k < columns_.size(); ++k) {
-          if (columns_[k].name != name) continue;
-          const std::string fault = take(k, columns_[k].unit, {axis.key, axis.columns, {unit}, unit_name(unit)});
-          if (!fault.empty()) return fault;
-        }
+      for (const auto& [name, unit] : axis.columns) {
+        const std::vector<std::size_t> found = matches(columns_, std::string(name));
+        if (found.empty()) continue;
+        if (found.size() > 1) return more_than_one(name);
+        const std::string fault = take(found[0], columns_[found[0]].unit, {axis.key, axis.columns, {unit}, unit_name(unit)});
+        if (!fault.empty()) return fault;
+      }
     return "";
   }
 

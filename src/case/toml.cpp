@@ -27,7 +27,7 @@ struct Converter {
   Node convert(const toml::node& node, int depth) const {
     const Place place = place_of(node.source(), file);
     if (depth > max_depth) {
-      problems.error(place, "nested too deeply");
+      problems.error(place, fmt::format("nested more than {} levels deep, where no key of a case is: take brackets away", max_depth));
       return Node(false, place);
     }
     if (const auto* table = node.as_table()) return Node(convert_table(*table, depth), place);

@@ -81,10 +81,18 @@ class FactorOfSafety(unittest.TestCase):
     def test_no_answer(self):
         code, _, errors = self.find("--set", "falls_at=1e9", "--most", "3")
         self.assertEqual(code, 1)
-        self.assertIn("still stands at F = 2.441", errors)
+        self.assertIn("still stands at F = 3;", errors)
         code, _, errors = self.find("--set", "reason=a point left the grid")
         self.assertEqual(code, 1)
         self.assertIn("a point left the grid", errors)
+
+    def test_answer_close_to_the_end_of_the_search(self):
+        code, printed, _ = self.find("--set", "falls_at=1.005", "--most", "1.01", "--tolerance", "0.02")
+        self.assertEqual(code, 0)
+        factor, within = self.answer(printed)
+        self.assertLessEqual(abs(factor - 1.005), within + 5e-4)
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
+            self.find("--most", "1")
 
     def test_wrong_input(self):
         for arguments, message in (

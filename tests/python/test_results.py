@@ -256,6 +256,8 @@ class Results(unittest.TestCase):
     def test_reference_errors(self):
         with self.assertRaisesRegex(ResultError, 'one.csv:1: no column "nominal_strain".*there are "nominal_stress .Pa."'):
             Curve(self.write("one.csv", "nominal_stress [Pa]\n1\n"))
+        with self.assertRaisesRegex(ResultError, 'twice.csv:1: more than one column is "nominal_stress"'):
+            Curve(self.write("twice.csv", "nominal_strain [-],nominal_stress [Pa],nominal_stress [Pa]\n1,2,3\n"))
         with self.assertRaisesRegex(ResultError, 'unit "psi"'):
             Curve(self.write("psi.csv", "nominal_stress [psi],nominal_strain [-]\n1,2\n"))
 
