@@ -218,15 +218,6 @@ void add_boundary(World& w, const BuiltBodies& built, Findings& found) {
   found.throw_if_any();
 }
 
-/// Points of a mesh file that leave cells inside the body empty.
-void warn_of_sparse_points(World& w, const Body& body, const std::vector<double>& measure, double cell) {
-  const double apart = std::pow(std::accumulate(measure.begin(), measure.end(), 0.0) / static_cast<double>(measure.size()), 1.0 / w.spec.dimension());
-  if (apart > 1.05 * cell)
-    w.warnings.push_back(fmt::format("[body.{}]: the points of its file are {:.3g} m apart and the cells {:.3g} m wide: some have no point, and the body is too soft (a block "
-                                     "under pressure by 7 % at 1.25 times the width). Take more points.per_element, or cells of {:.2g} m",
-                                     body.name, apart, cell, apart));
-}
-
 /// Points and surface of a body; a rigid one has neither. `boxes`: in which points are seeded that have domains, if not in the
 /// cells of the grid; has_field: it may part from others.
 void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::optional<Grid>& boxes, int index, bool has_field) {
@@ -254,7 +245,6 @@ void add_body(World& w, BuiltBodies& built, MpmDiscretisation& mpm, const std::o
       add_surface_of_shape(c, index, region, spacing, surface);
     } else {
       add_surface_of_mesh(c, index, mesh, spacing, surface);
-      warn_of_sparse_points(w, body, points.measure, h);
     }
   } else {
     const Region region = region_of(c, body, h);
