@@ -23,6 +23,13 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
   for (const TimeFunction& g : c.gravity.component)
     if (g.is_number() && std::abs(g.number()) > most_gravity)
       problems.warn(place_in(root, "model", "", "gravity"), fmt::format("gravity of {:.6g} m/s2: did you mean mm/s2?", g.number()));
+  for (const Material& m : c.materials)
+    if (spreads_freely(c, m))
+      problems.warn(place_in(root, "material", m.name, "tensile_strength"),
+                    fmt::format("next to no tensile strength: nothing holds free faces of \"{}\" against spreading, and points that move through the grid press them out (a "
+                                "block under a pressure of twice its cohesion: no equilibrium, or up to twice the strain). Take a thousandth of the largest stresses, or "
+                                "leave the key out, or formulation = \"total_lagrangian\" where the body does not move far",
+                                m.name));
   for (const Pressure& p : c.pressures) {
     if (!p.value.is_number()) continue;
     const std::string doubt = unit_doubt("value", Unit::stress, p.value.number());

@@ -85,6 +85,8 @@ std::string advice_on_extrapolation(const Case& c, double error) {
 
 std::string advice_on_equilibrium(const Case& c, const Stage& stage, bool slips) {
   std::vector<std::string> ways;
+  for (const Material& m : c.materials)
+    if (spreads_freely(c, m)) ways.push_back(fmt::format("give [material.{}] a tensile_strength of a thousandth of the largest stresses", m.name));
   const bool damage = any_law(c, is_damage), plastic = any_law(c, is_plastic);
   if (damage && !plastic && !slips && stage.solver.integration == Integration::implicit) {
     ways.emplace_back("take [solver] integration = \"impl_ex\"");

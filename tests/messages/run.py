@@ -56,6 +56,27 @@ THREE = "".join(f'[body.{name}]\nmaterial = "m"\nshape.box = {{ min = {low}, max
     ("root", [0.0, 0.0], [0.2, 1.0]), ("low", [0.2, 0.0], [1.0, 0.4]), ("high", [0.2, 0.6], [1.0, 1.0]))) + '[contact.c]\nbody = "high"\nother = "low"\nkind = "friction"\nfriction = 0.3\n'
 PRESSED = '[boundary.press]\nbody = "a"\nwhere.box = { min = [0.8, 0.9999] }\nuy = -0.15\n[steps]\ncount = 10\n'
 PUSHED = '[boundary.push]\nbody = "b"\nwhere.box = { min = [1.1999, -9.0] }\nux = -0.28\nuy = 0.0\n[steps]\ncount = 5\n'
+SQUASHED = """
+[grid]
+origin = [-1.0, -0.2]
+cell_size = 0.1
+cells = [30, 15]
+[body.a]
+material = "m"
+shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
+[boundary.base]
+where.box = { max = [9.0, 1e-6] }
+uy = 0.0
+[boundary.middle]
+where.box = { min = [0.499, -1.0], max = [0.501, 1e-6] }
+ux = 0.0
+[pressure.top]
+body = "a"
+where.box.min = [-1.0, 0.999]
+value = "400 kPa"
+[steps]
+count = 10
+""" + SAND.replace("1e3", "2e5") + 'tensile_strength = 0.0\n'
 SLOPE = """
 model.gravity = [0.0, "-9.81*min(t, 1)"]
 [body.a]
@@ -282,6 +303,8 @@ FAILURES = {
                            ["pressure.p.value=1e5*t"]),
     "points cross cells": (GRID.replace("24] }", '24], shape_functions = "linear" }') + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-0.1") + '[steps]\ncount = 20\n',
                            "leave the key out", ["drop grid.shape_functions", "boundary.top.body=a", "boundary.top.where.box.min=[-9.0,0.999]"]),
+    "no tensile strength": (SQUASHED, "give [material.m] a tensile_strength", ["material.m.tensile_strength=400"]),
+    "no tensile strength, in place": (SQUASHED, "next to no tensile strength", ["model.formulation=total_lagrangian"]),
     "slope that fails": (GRID + SAND + SLOPE + BASE + "[steps]\ncount = 10\nmin_fraction = 0.05\n", 'analysis = "dynamic"', ["steps.analysis=dynamic", "steps.duration=0.5", "grid.cells=[44,26]"]),
     "slope that fails, Tresca": (GRID + SAND.replace("30.0", "0.0") + SLOPE + BASE + "[steps]\ncount = 10\nmin_fraction = 0.05\n", 'analysis = "dynamic"',
                                  ["steps.analysis=dynamic", "steps.duration=0.5", "grid.cells=[44,26]"]),
