@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -44,6 +45,8 @@ constexpr std::string_view begun_line = "\x1e" "berm has begun\n";
 /// The last words shall be ours, not mpiexec's about an exit code.
 constexpr const char* quiet_variable = "OMPI_MCA_orte_execute_quiet";
 
+/// Signals that end a run in order, with a checkpoint.
+constexpr std::array passed_on = {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGXCPU};
 volatile pid_t mpiexec = 0;
 volatile std::sig_atomic_t signals = 0, ready = 0;
 
@@ -63,7 +66,7 @@ void pass_on(int) {
 void become_ready() {
   sigset_t ours, before;
   sigemptyset(&ours);
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGHUP, SIGXCPU}) sigaddset(&ours, number);
+  for (const int number : passed_on) sigaddset(&ours, number);
   sigprocmask(SIG_BLOCK, &ours, &before);
   ready = 1;
   if (signals == 1) kill(mpiexec, SIGUSR1);
@@ -273,8 +276,8 @@ int run_under_mpiexec(int ranks, const std::vector<std::string>& arguments, cons
     return failed;
   }
   mpiexec = child;
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1, SIGXCPU}) handle(number);
-  if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(SIGHUP);  // nohup
+  for (const int number : passed_on)
+    if (number != SIGHUP || std::signal(SIGHUP, SIG_IGN) != SIG_IGN) handle(number);  // else: nohup
   const bool begun = pass_on_words(out[0]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {

@@ -28,13 +28,10 @@ from berm import words
 from berm.errors import ResultError
 from berm.files import new_file
 from berm.program import end_runs_with_the_tool, find_berm, run_case
-from berm.results import UNITS, Run
+from berm.results import UNITS, Run, find_unit
 
 TOOL = "berm factor_of_safety"
 LAWS = ("mohr_coulomb", "drucker_prager")
-STRESS = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m2": 1.0, "kN/m2": 1e3, "MN/m2": 1e6}
-STRESS |= {"N/mm2": 1e6, "kN/mm2": 1e9}
-ANGLE = {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi}
 NO_CUT_OFF = 1e30  # tensile_strength of a case without a tension cut-off
 LEAST_TOLERANCE = 1e-4
 GROWTH = 1.25  # of F while no run has failed
@@ -55,14 +52,15 @@ class Trial:
     warnings: list  # of the run
 
 
-def quantity(value, units, key):
+def quantity(value, dimension, key):
     """A number of a case file in the bare unit: 10000.0, "10 kPa" -> 10000.0."""
     if isinstance(value, (int, float)):
         return float(value)
-    match = isinstance(value, str) and re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(\S+)\s*", value)
-    if not match or match[2] not in units:
-        raise ResultError(f"cannot read {key} = {value!r} (units: {', '.join(units)})")
-    return float(match[1]) * units[match[2]]
+    match = isinstance(value, str) and re.fullmatch(r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(.+?)\s*", value)
+    found = match and find_unit(match[2])
+    if not found or found[0] != dimension:
+        raise ResultError(f"cannot read {key} = {value!r} (units: {', '.join(UNITS[dimension])})")
+    return float(match[1]) * found[1]
 
 
 def reduced_angle(degrees, factor):
@@ -72,25 +70,25 @@ def reduced_angle(degrees, factor):
 def reduced(name, material, factor):
     """Overrides that divide the strength of a material by a factor. Dilatancy stays, up to the friction angle."""
 
-    def read(key, units, default=-1.0):
-        return quantity(material.get(key, default), units, f"material.{name}.{key}")
+    def read(key, dimension, default=-1.0):
+        return quantity(material.get(key, default), dimension, f"material.{name}.{key}")
 
     changes = {
-        "cohesion": read("cohesion", STRESS) / factor,
-        "friction_angle": reduced_angle(read("friction_angle", ANGLE), factor),
+        "cohesion": read("cohesion", "stress") / factor,
+        "friction_angle": reduced_angle(read("friction_angle", "angle"), factor),
     }
-    changes["dilatancy_angle"] = min(read("dilatancy_angle", ANGLE, 0.0), changes["friction_angle"])
-    cut_off = read("tensile_strength", STRESS, NO_CUT_OFF)
+    changes["dilatancy_angle"] = min(read("dilatancy_angle", "angle", 0.0), changes["friction_angle"])
+    cut_off = read("tensile_strength", "stress", NO_CUT_OFF)
     if cut_off < NO_CUT_OFF:
         changes["tensile_strength"] = cut_off / factor
-    residual_friction = read("residual_friction_angle", ANGLE)
-    if read("residual_cohesion", STRESS) >= 0.0:
-        changes["residual_cohesion"] = read("residual_cohesion", STRESS) / factor
+    residual_friction = read("residual_friction_angle", "angle")
+    if read("residual_cohesion", "stress") >= 0.0:
+        changes["residual_cohesion"] = read("residual_cohesion", "stress") / factor
     if residual_friction >= 0.0:
         changes["residual_friction_angle"] = reduced_angle(residual_friction, factor)
     weakest = min(changes["friction_angle"], changes.get("residual_friction_angle", changes["friction_angle"]))
-    if read("residual_dilatancy_angle", ANGLE) >= 0.0:
-        changes["residual_dilatancy_angle"] = min(read("residual_dilatancy_angle", ANGLE), weakest)
+    if read("residual_dilatancy_angle", "angle") >= 0.0:
+        changes["residual_dilatancy_angle"] = min(read("residual_dilatancy_angle", "angle"), weakest)
     else:
         changes["dilatancy_angle"] = min(changes["dilatancy_angle"], weakest)
     return [f"material.{name}.{key}={value:.12g}" for key, value in changes.items()]
@@ -164,7 +162,7 @@ class Search:
         with open(os.path.join(folder, "case.toml"), "rb") as file:
             case = tomllib.load(file)
         stages = case.get("stage", {}).values() or [case.get("steps", {})]
-        return sum(quantity(stage.get("duration", 1.0), UNITS["time"], "duration") for stage in stages)
+        return sum(quantity(stage.get("duration", 1.0), "time", "duration") for stage in stages)
 
     def bracket(self):
         """(largest F that stands, smallest that fails), a step of GROWTH apart."""

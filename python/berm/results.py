@@ -9,6 +9,7 @@ run.last()["damage"]                   # point fields of the last points_NNNN.vt
 import codecs
 import contextlib
 import csv
+import math
 import os
 import re
 import xml.etree.ElementTree as ElementTree
@@ -38,6 +39,7 @@ UNITS = {
         "kN/mm2": 1e9,
     },
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6},
+    "angle": {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},  # in degrees, as in case files
 }
 BLANK = " \t\r"
 

@@ -365,13 +365,16 @@ void warn_of_missing_contacts(World& w) {
     kept_apart.insert({std::min(a, b), std::max(a, b)});
   }
   for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
+  constexpr int most = 5;
   const int n = w.discretisation->n_fields();
+  int told = 0;
   for (int a = 0; a < n; ++a)
     for (int b = a + 1; b < n; ++b)
-      if (w.comm.any(meet.count({a, b}) > 0) && kept_apart.count({a, b}) == 0)
+      if (w.comm.any(meet.count({a, b}) > 0) && kept_apart.count({a, b}) == 0 && ++told <= most)
         w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
                                          "contacts: without a [contact.NAME] they will pass through each other",
                                          bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
+  if (told > most) w.warnings.push_back(fmt::format("{} more pairs of bodies lie next to each other without a [contact.NAME]", told - most));
 }
 
 /// Small strain and total Lagrangian see bodies where they started: those that are apart then never have all the nodes in common on

@@ -36,7 +36,7 @@ synthetic.write_run(out, "mpm", 1.0, cell=0.05, steps=20, frames=2)
 with open(os.path.join(out, "case.toml"), "w", encoding="utf-8") as file:
     file.write(
         f'[material.rock]\nlaw = "linear_elastic"\n[material.soil]\nlaw = "{settings.get("law", "mohr_coulomb")}"\n'
-        'cohesion = "10 kPa"\nfriction_angle = 20\ndilatancy_angle = "5 deg"\n[steps]\nduration = 2.0\n'
+        'cohesion = "10 kN/m²"\nfriction_angle = 20\ndilatancy_angle = "5 deg"\n[steps]\nduration = 2.0\n'
     )
 if falls and not runs_out:
     path = os.path.join(out, "summary.json")
