@@ -254,7 +254,8 @@ std::string contacts_apart(const World& w, const std::vector<std::string>& names
     });
     if (!named || !acts_in(contact.stages, first)) continue;
     if (contact.other.empty() && nearest > still_touching * w.discretisation->cell_size() && std::isfinite(nearest))
-      words += fmt::format(" [contact.{}] is {:.3g} m apart: let the bodies touch at the start.", contact.name, nearest);
+      words += fmt::format(" [contact.{}] is {:.3g} m apart in the middle of the nearest piece of the surface (a tip has no area): let the bodies start so much closer.",
+                           contact.name, nearest);
     if (!contact.other.empty() && contact.kind != Contact::Kind::tie && !meet(w, contact))
       words += fmt::format(" [contact.{}]: \"{}\" and \"{}\" are apart: let them touch at the start.", contact.name, contact.body, contact.other);
   }

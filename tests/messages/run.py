@@ -77,6 +77,25 @@ value = "400 kPa"
 [steps]
 count = 10
 """ + SAND.replace("1e3", "2e5") + 'tensile_strength = 0.0\n'
+TIP = """
+model.gravity = [0.0, "-9.81*t"]
+[body.wedge]
+material = "m"
+shape.polygon = [[0.5, 0.0], [1.0, 0.5], [0.0, 0.5]]
+[body.floor]
+rigid = true
+shape.box = { min = [-0.2, -0.2], max = [2.0, 0.0] }
+[contact.c]
+body = "wedge"
+rigid = "floor"
+kind = "friction"
+friction = 0.5
+[boundary.top]
+where.box = { min = [-1.0, 0.4999], max = [3.0, 0.5001] }
+ux = 0.0
+[steps]
+count = 5
+"""
 SLOPE = """
 model.gravity = [0.0, "-9.81*min(t, 1)"]
 [body.a]
@@ -303,6 +322,7 @@ FAILURES = {
                            ["pressure.p.value=1e5*t"]),
     "points cross cells": (GRID.replace("24] }", '24], shape_functions = "linear" }') + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-0.1") + '[steps]\ncount = 20\n',
                            "leave the key out", ["drop grid.shape_functions", "boundary.top.body=a", "boundary.top.where.box.min=[-9.0,0.999]"]),
+    "a wedge on its tip": (GRID + ELASTIC + TIP, "0.00352 m apart in the middle of the nearest piece", ["body.wedge.shape.polygon=[[0.5,-0.0035],[1.0,0.5],[0.0,0.5]]"]),
     "no tensile strength": (SQUASHED, "give [material.m] a tensile_strength", ["material.m.tensile_strength=400"]),
     "no tensile strength, in place": (SQUASHED, "next to no tensile strength", ["model.formulation=total_lagrangian"]),
     "slope that fails": (GRID + SAND + SLOPE + BASE + "[steps]\ncount = 10\nmin_fraction = 0.05\n", 'analysis = "dynamic"', ["steps.analysis=dynamic", "steps.duration=0.5", "grid.cells=[44,26]"]),
