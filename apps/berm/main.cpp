@@ -52,12 +52,22 @@ const CLI::Validator is_given([](const std::string& word) { return word.empty() 
 
 void add_options_of_case(CLI::App* command, Words& w) {
   command->add_option("case", w.file, "case file (TOML); - reads it from standard input")->required();
-  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all()->allow_extra_args(false)->check(is_given);
+  command->add_option("--set", w.overrides, "override a key: --set solver.integration=impl_ex")->take_all()->allow_extra_args(false)->check(is_given)->type_name("KEY=VALUE");
   command->add_flag("--allow-petsc-files", w.petsc_files, "let solver.petsc write files and set any option of PETSc");
+}
+
+std::string words_of(const CLI::App* app, const CLI::Error& error) {
+  const std::string text = error.what();
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) && text.find('=') != std::string::npos)
+    return fmt::format("berm: {}: every override has its own --set\n", text);
+  const std::vector<const CLI::App*> commands = app->get_subcommands({});
+  const auto given = std::find_if(commands.begin(), commands.end(), [](const CLI::App* command) { return command->parsed(); });
+  return fmt::format("berm: {}; see berm {}--help\n", text, given == commands.end() ? "" : (*given)->get_name() + " ");
 }
 
 void add_commands(CLI::App& app, Words& w) {
   app.require_subcommand(1);
+  app.failure_message(words_of);
   app.set_version_flag("--version", "berm " BERM_VERSION, "print the version");
 
   CLI::App* run = app.add_subcommand("run", "run a case file");

@@ -24,6 +24,12 @@ def words_of_help():
             or wrong(berm("factor_of_safety", "--help"), 0, "--tolerance") or wrong(berm("run", "--help"), 0, "--oversubscribe", "--force") or wrong(berm(), 2))
 
 
+@test
+def what_is_not_expected():
+    return (wrong(berm("run", "case.toml", "--set", "steps.count=1", "title=x"), 2, "berm: ", "every override has its own --set") or wrong(berm("run"), 2, "see berm run --help")
+            or wrong(berm("check", "case.toml", "--foo"), 2, "--foo; see berm check --help"))
+
+
 def completed(line):
     """What bash offers for the last word of a line."""
     words = line.split(" ")
