@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <Eigen/Geometry>
 #include <map>
 #include <unordered_map>
 
@@ -23,20 +24,37 @@ struct Inside {
   Vec3 at = Vec3::Zero();
 };
 
-Inside part_inside(const Region& region, int body, const BuiltBodies& built) {
+/// Points and pieces of the surface of a body.
+struct PlacesOfBody {
+  std::vector<std::pair<Vec3, double>> all;  ///< place, measure
+  Eigen::AlignedBox3d box;
+};
+
+std::vector<PlacesOfBody> places_of_bodies(const BuiltBodies& built) {
+  std::vector<PlacesOfBody> bodies(built.places.size());
+  const auto add = [&](std::size_t body, const Vec3& x, double measure) {
+    bodies[body].all.emplace_back(x, measure);
+    bodies[body].box.extend(x);
+  };
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (std::size_t p = 0; p < built.places[b].size(); ++p) add(b, built.places[b][p], built.measures[b][p]);
+  for (const SurfacePoint& s : built.surface) add(s.body, s.X, 0.0);
+  return bodies;
+}
+
+Inside part_inside(const Region& region, const PlacesOfBody& body) {
   Inside in;
-  const Vec3 low = region.min(), high = region.max();
   const int d = region.dimension();
-  const auto look = [&](const Vec3& x, double measure) {
-    if ((x.head(d).array() < low.head(d).array()).any() || (x.head(d).array() > high.head(d).array()).any()) return;
+  Eigen::AlignedBox3d reach(region.min(), region.max());
+  if (d == 2) reach.min().z() = -infinity, reach.max().z() = infinity;
+  if (!reach.intersects(body.box)) return in;
+  for (const auto& [x, measure] : body.all) {
+    if (!reach.contains(x)) continue;
     const double depth = -region.nearest(x).distance;
-    if (depth <= 0.0) return;
+    if (depth <= 0.0) continue;
     in.measure += measure;
     if (depth > in.depth) in.depth = depth, in.at = x;
-  };
-  for (std::size_t p = 0; p < built.places[body].size(); ++p) look(built.places[body][p], built.measures[body][p]);
-  for (const SurfacePoint& s : built.surface)
-    if (s.body == body) look(s.X, 0.0);
+  }
   return in;
 }
 
@@ -146,6 +164,7 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
   constexpr double thin = 0.1, thin_rigid = 0.05;
   if (c.bodies.size() < 2) return;
   const std::map<int, Region> regions = regions_of_shapes(c, size);
+  const std::vector<PlacesOfBody> places = places_of_bodies(built);
   const int n = static_cast<int>(c.bodies.size()), d = c.dimension();
   for (int a = 0; a < n; ++a)
     for (const auto& [b, region] : regions) {
@@ -153,7 +172,7 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
       const std::string &first = c.bodies[a].name, &second = c.bodies[b].name;
       const Contact* contact = c.bodies[b].rigid ? unilateral_contact(c, first, second) : nullptr;
       if (c.bodies[b].rigid && !contact) continue;
-      const Inside in = part_inside(region, a, built);
+      const Inside in = part_inside(region, places[a]);
       if (in.depth <= (contact ? thin_rigid : thin) * size) continue;
       const std::string amount = in.measure > 0.0 ? fmt::format("{:.4g} {}", in.measure, d == 3 ? "m3" : "m2") : fmt::format("{:.4g} m", in.depth);
       if (contact)
