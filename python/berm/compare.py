@@ -202,11 +202,11 @@ def main(arguments=None):
     parser.add_argument("a", metavar="A", help="output folder of a run")
     parser.add_argument("b", metavar="B", help="output folder of the other run")
     parser.add_argument(
-        "--history", type=float, default=TOLERANCE, metavar="RTOL", help=f"for history.csv (default {TOLERANCE:g})"
+        "--history", type=words.at_least_zero, default=TOLERANCE, metavar="RTOL", help=f"for history.csv (default {TOLERANCE:g})"
     )
-    parser.add_argument("--points", type=float, metavar="RTOL", help="for the points (default: as for history.csv)")
+    parser.add_argument("--points", type=words.at_least_zero, metavar="RTOL", help="for the points (default: as for history.csv)")
     parser.add_argument(
-        "--before", type=float, metavar="PEAKFRACTION", help="compare until the load reaches this part of A's peak"
+        "--before", type=words.positive, metavar="PEAKFRACTION", help="compare until the load reaches this part of A's peak"
     )
     options = parser.parse_args(arguments)
     if options.before is not None and not 0.0 < options.before <= 1.0:

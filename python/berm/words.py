@@ -10,15 +10,24 @@ import sys
 import warnings
 
 
-def positive(text):
-    """For argparse: a finite positive number."""
+def _finite(text, good, what):
     try:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a finite positive number")
+    if not (math.isfinite(value) and good(value)):
+        raise argparse.ArgumentTypeError(f"{text} is not {what}")
     return value
+
+
+def positive(text):
+    """For argparse: a finite positive number."""
+    return _finite(text, lambda value: value > 0.0, "a finite positive number")
+
+
+def at_least_zero(text):
+    """For argparse: a finite number that is not negative."""
+    return _finite(text, lambda value: value >= 0.0, "a finite number of at least 0")
 
 
 def given(text):

@@ -263,7 +263,6 @@ void SurfaceTies::move(const Discretisation& d) {
         const int rank = d.locate(*end);
         if (!seen.insert({rank, end->body, end->cell}).second) continue;
         to[rank].push_back(*end);
-        to[rank].back().keeps = true;
       }
     }
   });

@@ -65,7 +65,7 @@ public:
   /// Points travel to the owners of the cells of their first ends, and both ends' cells get an anchor. Collective.
   void move(const Discretisation& d);
   const std::vector<AnchorPair*>& pairs() const { return pairs_; }
-  /// Anchors that keep the cells of this process's ends in use.
+  /// Anchors of the cells of this process in which ends lie: they are in use if none with material is near.
   std::vector<Anchor>& keepers() { return keepers_; }
 
   /// Forces that resist du, added to f; their matrix, if wanted.   [contact (10)]

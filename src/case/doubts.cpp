@@ -9,6 +9,24 @@
 
 namespace berm {
 
+/// Of bodies that a contact parts: they have nodes of their own in every stage.
+void doubt_ends_of_contact(const Case& c, const Node& root, Problems& problems) {
+  for (const Contact& k : c.contacts) {
+    if (k.other.empty()) continue;
+    const auto of_the_same = [&](const Contact& other) { return std::minmax(other.body, other.other) == std::minmax(k.body, k.other); };
+    const auto is_kept = [&](const Stage& stage) {
+      return std::any_of(c.contacts.begin(), c.contacts.end(), [&](const Contact& other) { return of_the_same(other) && acts_in(other.stages, stage.name); });
+    };
+    const auto stage = std::find_if_not(c.stages.begin(), c.stages.end(), is_kept);
+    const bool told = &*std::find_if(c.contacts.begin(), c.contacts.end(), of_the_same) != &k;
+    if (stage == c.stages.end() || told) continue;
+    problems.warn(place_in(root, "contact", k.name, "stages"),
+                  fmt::format("in [stage.{0}] no contact keeps \"{1}\" and \"{2}\" apart: where they meet they pass through each other. Add \"{0}\" to \"stages\", or "
+                              "give them a second [contact.NAME] with it",
+                              stage->name, k.body, k.other));
+  }
+}
+
 Place place_in(const Node& root, const std::string& kind, const std::string& name, const std::string& key) {
   const Node::Entry* table = root.find(kind);
   if (table && !name.empty()) table = table->value.find(name);
@@ -46,6 +64,7 @@ void doubt_case(const Case& c, const Node& root, Problems& problems) {
     problems.error(place_in(root, "model", "", "gravity"),
                    "gravity along the radius is no weight: the axis of rotation is y, gravity = [0.0, -9.81]. What turns has [body.NAME] acceleration = "
                    "[\"omega^2*x\", 0.0]");
+  doubt_ends_of_contact(c, root, problems);
   if (c.control.kind == Control::Kind::gauge && std::all_of(c.pressures.begin(), c.pressures.end(), is_zero))
     problems.error(place_in(root, "control", "", "kind"), "\"gauge\" scales the pressures of the case, and all are zero: give one a value");
   for (const Body& b : c.bodies)

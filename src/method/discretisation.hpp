@@ -32,7 +32,6 @@ struct Anchor {
   Mat3 F = Mat3::Identity();   ///< deformation gradient since the start; stays I in small strain
   bool by_reference = false;   ///< the stencil's gradients are by the coordinates of the start, not by those at t_n
   bool rigid = false;          ///< belongs to a rigid body: its cell needs no stabilisation
-  bool keeps = false;          ///< its cell stays in use even if it holds no material: ends of ties
   Vec3 inward = Vec3::Zero();  ///< surface points: unit vector into the body; on a cell's edge, that side's cell counts
 
   /// Deformation gradient after the increment du.   [formulation (5), (11), (25)]

@@ -279,6 +279,9 @@ SeededPoints seed_from_mesh(const Mesh& mesh, int per_element) {
   SeededPoints out;
   const int square = static_cast<int>(std::lround(std::sqrt(per_element)));
   const int cube = static_cast<int>(std::lround(std::cbrt(per_element)));
+  const bool mixed = std::any_of(mesh.kinds.begin(), mesh.kinds.end(), [&](CellKind kind) { return kind != mesh.kinds.front(); });
+  if (mixed && per_element != 1)
+    throw InputError(fmt::format("the mesh has elements of several kinds, which all take points.per_element = 1 and not {}: take 1, or mesh the body with one kind", per_element));
   for (int c = 0; c < mesh.n_cells(); ++c) {
     const Part cell = part_of(mesh, c);
     switch (cell.kind) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "sim/advice.hpp"
 #include "sim/watch.hpp"
@@ -44,18 +45,22 @@ void Watch::look_for_swelling() {
 /// What small strain leaves out is of the second order in the strains and rotations of a body as a whole. Bands and cracks, where
 /// they are large, are its own business.
 void Watch::look_for_large_motion() {
-  constexpr double told = 0.1;
-  if (has_told("motion") || world_.spec.kinematics != Kinematics::small) return;
+  constexpr double told = 0.1, absurd = 2.0;
+  if (world_.spec.kinematics != Kinematics::small) return;
   const MaterialState& m = world_.discretisation->material;
   for (const Slice& slice : m.slices) {
     double sum = 0.0, volume = 0.0;
     for (int p = slice.begin; p < slice.end; ++p) sum += m.volume[p] * (m.F[p] - Mat3::Identity()).norm(), volume += m.volume[p];
     sum = world_.comm.sum(sum), volume = world_.comm.sum(volume);
-    if (!(sum > told * volume)) continue;
-    tell_once("motion", fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
-                      "[model] kinematics = \"finite\"",
-                      world_.spec.bodies[slice.body].name, sum / volume, world_.time));
-    return;
+    const std::string& body = world_.spec.bodies[slice.body].name;
+    if (sum > absurd * volume)
+      throw RunError(fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}, of which small strain knows nothing: the load is more than can be "
+                                 "borne, or take [model] kinematics = \"finite\"",
+                                 body, sum / volume, world_.time));
+    if (sum > told * volume && !has_told("motion"))
+      tell_once("motion", fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
+                        "[model] kinematics = \"finite\"",
+                        body, sum / volume, world_.time));
   }
 }
 

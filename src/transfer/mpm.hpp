@@ -157,6 +157,7 @@ private:
   // the connectivity of a step (mpm_connectivity.cpp)
   void sort_points(const std::vector<Anchor*>& anchors);
   void find_carriers(const std::vector<Anchor*>& anchors, const std::function<bool(int layered)>& is_filled);
+  void find_carriers_of(const std::vector<std::size_t>& who, const std::vector<double>& mine, const std::function<bool(int layered)>& is_filled);
   std::pair<int, double> nearest_filled(int layered, const Vec3& place,
                                         const std::function<bool(int layered)>& is_filled) const;
   void evaluate_shapes();
@@ -175,7 +176,6 @@ private:
   void number_nodes();
   void attach(const std::vector<Anchor*>& anchors);
   void attach(int layered, Anchor& anchor, Stencil& stencil) const;
-  std::pair<int, int> cells_of(const AnchorPair& pair) const;
   void attach_pairs();
   // domains of points (mpm_domains.cpp)
   void look_at_domains(const std::vector<Anchor*>& anchors);
@@ -360,6 +360,7 @@ private:
   bool numbered_ = false;
 
   std::vector<AnchorPair*> pairs_;
+  std::vector<std::pair<int, int>> cells_of_pairs_;  ///< layered ones whose functions the ends of each see
   std::vector<std::pair<int, int>> numbered_pairs_;  ///< layered cells of pairs, ascending; their blocks are the last ones
   std::vector<Stencil> pair_stencils_;               ///< of the two ends of each pair
 };

@@ -40,9 +40,11 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
 /// How many faces away from an anchor's cell one that carries it is looked for.
 constexpr int carrier_reach = 3;
 
-/// The cell with material that is nearest to a place in one without, and how far its centre is; {-1, 0}: none is near.
+/// The cell with material that is nearest to a place in one without, and how far its centre is (0: the cell itself has some);
+/// {-1, 0}: none is near.
 std::pair<int, double> MpmDiscretisation::nearest_filled(int layered, const Vec3& place,
                                                          const std::function<bool(int layered)>& is_filled) const {
+  if (is_filled(layered)) return {layered, 0.0};
   std::vector<int> around = {layered};
   std::pair<int, double> best = {-1, 0.0};
   for (std::size_t begin = 0, ring = 0; ring <= carrier_reach; ++ring) {
@@ -62,21 +64,32 @@ std::pair<int, double> MpmDiscretisation::nearest_filled(int layered, const Vec3
 
 /// A surface and the material behind it cross the lines of the grid at different times. Where no material is in the cell
 /// of an anchor, the functions of the nearest cell that has some go on beyond its edge (they are polynomials): what the
-/// anchor feels and does belongs to nodes that carry. On several processes the nearest of all.   [formulation, section 6]
+/// anchor feels and does belongs to nodes that carry. So do the ends of pairs: stabilisation alone would hold an empty cell, anew
+/// in every step, and what is tied there would creep. On several processes the nearest of all.   [formulation, section 6]
 void MpmDiscretisation::find_carriers(const std::vector<Anchor*>& anchors,
                                       const std::function<bool(int layered)>& is_filled) {
   carrier_.clear();
   std::vector<double> mine;  // layered cell and place of each that looks for one
   std::vector<std::size_t> who;
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const Anchor& a = *anchors[i];
+  const auto look = [&](const Anchor& a) {
     carrier_.push_back(layered_cell(a.cell, a.body));
-    if (a.rigid || a.keeps || is_filled(carrier_.back())) continue;
+    if (a.rigid || is_filled(carrier_.back())) return;
     const Vec3 x = seen(a);
     mine.insert(mine.end(), {double(carrier_.back()), x.x(), x.y(), x.z()});
-    who.push_back(i);
-  }
-  if (!comm_.any(!mine.empty())) return;
+    who.push_back(carrier_.size() - 1);
+  };
+  for (const Anchor* a : anchors) look(*a);
+  for (const AnchorPair* pair : pairs_) look(pair->a), look(pair->b);
+  if (comm_.any(!mine.empty())) find_carriers_of(who, mine, is_filled);
+  const auto ends = carrier_.begin() + static_cast<std::ptrdiff_t>(anchors.size());
+  cells_of_pairs_.clear();
+  for (auto end = ends; end != carrier_.end(); end += 2) cells_of_pairs_.emplace_back(end[0], end[1]);
+  carrier_.erase(ends, carrier_.end());
+}
+
+/// `who`: of carrier_; `mine`: layered cell and place of each. Collective.
+void MpmDiscretisation::find_carriers_of(const std::vector<std::size_t>& who, const std::vector<double>& mine,
+                                         const std::function<bool(int layered)>& is_filled) {
   const std::size_t before = 2 * comm_.exclusive_sum(static_cast<long>(who.size()));
   const std::vector<double> wanted = comm_.all_gather(mine);
   std::vector<double> offers;  // cell and distance
@@ -348,8 +361,7 @@ void MpmDiscretisation::number_nodes() {
     faces_[f].block = n_patches() + static_cast<int>(f);
     faces.emplace_back(faces_[f].cell_a, faces_[f].cell_b);
   }
-  std::vector<std::pair<int, int>> tied;
-  for (const AnchorPair* pair : pairs_) tied.push_back(cells_of(*pair));
+  std::vector<std::pair<int, int>> tied = cells_of_pairs_;
   sort_unique(tied);
   std::vector<int> filled = mixed_ ? filled_cells() : std::vector<int>{};
   first_anchor_block_ = n_patches() + static_cast<int>(faces_.size());
@@ -448,16 +460,11 @@ void MpmDiscretisation::attach(const std::vector<Anchor*>& anchors) {
   }
 }
 
-/// Layered.
-std::pair<int, int> MpmDiscretisation::cells_of(const AnchorPair& pair) const {
-  return {layered_cell(pair.a.cell, pair.a.body), layered_cell(pair.b.cell, pair.b.body)};
-}
-
 void MpmDiscretisation::attach_pairs() {
   pair_stencils_.resize(2 * pairs_.size());
   const int first_block = blocks.size() - static_cast<int>(numbered_pairs_.size());
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const std::pair<int, int> own = cells_of(*pairs_[i]);
+    const std::pair<int, int>& own = cells_of_pairs_[i];
     attach(own.first, pairs_[i]->a, pair_stencils_[2 * i]);
     attach(own.second, pairs_[i]->b, pair_stencils_[2 * i + 1]);
     const auto cells = std::lower_bound(numbered_pairs_.begin(), numbered_pairs_.end(), own);

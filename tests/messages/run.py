@@ -322,6 +322,10 @@ FAILURES = {
                            ["pressure.p.value=1e5*t"]),
     "points cross cells": (GRID.replace("24] }", '24], shape_functions = "linear" }') + ELASTIC + BLOCK + BASE + TOP.replace("-0.001", "-0.1") + '[steps]\ncount = 20\n',
                            "leave the key out", ["drop grid.shape_functions", "boundary.top.body=a", "boundary.top.where.box.min=[-9.0,0.999]"]),
+    "strains beyond small strain": (FEM + "model.kinematics = \"small\"\n" + ELASTIC + BLOCK + BASE + TOP.replace("uy = -0.001", "ux = 2.5\nuy = 0.0") + FEW.replace("3", "20"),
+                                    "of which small strain knows nothing", ["model.kinematics=finite"]),
+    "a contact that ends": (GRID + ELASTIC + TWO.replace("0.55", "0.5") + BASE + '[contact.c]\nbody = "b"\nother = "a"\nkind = "friction"\nfriction = 0.3\nstages = ["one"]\n[stage.one]\ncount = 2\n[stage.two]\ncount = 2\n'
+                            + PRESSED.replace("0.8, 0.9999", "0.6, 0.4999").replace("-0.15", "-0.01").replace('body = "a"', 'body = "b"').replace("[steps]\ncount = 10\n", ""), "no contact keeps", ['contact.c.stages=["one","two"]']),
     "a wedge on its tip": (GRID + ELASTIC + TIP, "0.00352 m apart in the middle of the nearest piece", ["body.wedge.shape.polygon=[[0.5,-0.0035],[1.0,0.5],[0.0,0.5]]"]),
     "no tensile strength": (SQUASHED, "give [material.m] a tensile_strength", ["material.m.tensile_strength=400"]),
     "no tensile strength, in place": (SQUASHED, "next to no tensile strength", ["model.formulation=total_lagrangian"]),

@@ -136,6 +136,11 @@ class Compare(unittest.TestCase):
         self.assertEqual(compare.quantity("reaction_x:platen"), compare.quantity("reaction_z:platen"))
         self.assertNotEqual(compare.quantity("reaction_x:platen"), compare.quantity("reaction_x:base"))
 
+    def test_tolerances_that_are_none(self):
+        for words in (("--history", "nan"), ("--points", "-1"), ("--before", "0")):
+            with self.subTest(words), self.assertRaises(SystemExit):
+                self.run_main(*words)
+
     def test_unusable_folder(self):
         shutil.rmtree(self.b)
         code, _, errors = self.run_main()

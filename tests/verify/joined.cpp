@@ -83,6 +83,25 @@ TEST(Joined, BarsInSeries) {
   }
 }
 
+/// Bars tied on a line of the grid and pressed, so that the border moves into cells where one of them has no points. Held by the
+/// stabilisation alone, anew in every step, the tie crept: the more steps the softer.
+TEST(Joined, BorderThatLeavesItsCell) {
+  constexpr double youngs = 1e6, shortening = 0.02;
+  for (const auto& [functions, volumetric] : {std::pair("linear", "standard"), std::pair("linear", "mixed"), std::pair("cpgimp", "standard")})
+    for (const int steps : {1, 20}) {
+      std::string text = bars(functions, 0.5, elastic("soft", youngs, 0.0) + elastic("stiff", youngs, 0.0), steps);
+      for (const auto& [from, to] : {std::pair<std::string, std::string>{"plane = \"stress\"\nkinematics = \"small\"", fmt::format("formulation = \"updated_lagrangian\"\nvolumetric = \"{}\"", volumetric)},
+                                     {"ux = 0.001", fmt::format("ux = {}", -shortening)}})
+        text.replace(text.find(from), from.size(), to);
+      Model model(text + "[contact.c]\nbody = \"soft\"\nother = \"stiff\"\nkind = \"tie\"\n");
+      ASSERT_TRUE(model.run());
+      const double right = 0.1 * youngs * std::log(1.0 - shortening) / (1.0 - shortening);  // Hencky, no lateral strain
+      const double error = relative(model.step.balance().reactions.boundary[1].x(), right);
+      EXPECT_LT(error, 0.01) << functions << " " << volumetric << " " << steps;
+      record({group, fmt::format("bars tied on a line of the grid, pressed by 2 %, {}, {}, {} steps: force", functions, volumetric, steps), error, "0", "0.01", "closed form"});
+    }
+}
+
 /// A layer of 0.4 cells between two stiff bars, pulled: in one layer of nodes these two were joined through it.
 TEST(Joined, ThinLayerBetweenBars) {
   for (const char* functions : {"linear", "cpgimp", "b2gimp"}) {
