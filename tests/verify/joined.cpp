@@ -91,6 +91,7 @@ TEST(Joined, BorderThatLeavesItsCell) {
     for (const int steps : {1, 20}) {
       std::string text = bars(functions, 0.5, elastic("soft", youngs, 0.0) + elastic("stiff", youngs, 0.0), steps);
       for (const auto& [from, to] : {std::pair<std::string, std::string>{"plane = \"stress\"\nkinematics = \"small\"", fmt::format("formulation = \"updated_lagrangian\"\nvolumetric = \"{}\"", volumetric)},
+                                     {"[boundary.right]", "[boundary.right]\nbody = \"stiff\""},
                                      {"ux = 0.001", fmt::format("ux = {}", -shortening)}})
         text.replace(text.find(from), from.size(), to);
       Model model(text + "[contact.c]\nbody = \"soft\"\nother = \"stiff\"\nkind = \"tie\"\n");

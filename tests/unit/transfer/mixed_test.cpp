@@ -157,7 +157,7 @@ TEST(Mixed, CellsWithoutPointsHaveNoPressure) {
   mpm.move_points(1.2);
   Anchor anchor;
   anchor.X = anchor.x = corner + Vec3(1.1 * h, 0.5 * h, 0.0);
-  anchor.keeps = true;
+  anchor.rigid = true;
   mpm.locate(anchor);
   mpm.begin_step({&anchor});
   EXPECT_EQ(mpm.active_cells().size(), 2u);
