@@ -13,7 +13,7 @@ _berm_files() {{
 }}
 _berm_ask() {{
   local kept=_berm_options_$2
-  [[ -n ${{!kept}} ]] || printf -v "$kept" '%s' "$("$1" "$2" --help 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u | tr '\n' ' ')"
+  [[ -n ${{!kept-}} ]] || printf -v "$kept" '%s' "$("$1" "$2" --help 2>/dev/null | grep -oE -- '--[a-z][a-z-]*' | sort -u | tr '\n' ' ')"
   options=${{!kept}}
 }}
 _berm() {{

@@ -44,9 +44,12 @@ void BoundaryConditions::read_boundary(int boundary, double stiffness, const Cas
         inclined_.push_back({node + field * n_places, boundary,
                              stiffness * depth(c.space, c.thickness, at.x()), 0.0});
   }
-  if (!any)
-    throw InputError(fmt::format("[boundary.{}] catches no node of the {}: check where.box", spec.name,
-                                 c.method == Method::mpm ? "background grid" : "body meshes"));
+  if (any) return;
+  // Nodes of quadratic functions lie between the lines of the grid.
+  const auto deformable = std::find_if(c.bodies.begin(), c.bodies.end(), [](const Body& body) { return !body.rigid; });
+  const bool grid = c.method == Method::mpm;
+  throw InputError(fmt::format("[boundary.{0}] catches no node of the {1}: check where.box{2}", spec.name, grid ? "background grid" : "body meshes",
+                               grid && deformable != c.bodies.end() ? fmt::format(", or hold the surface that lies there (boundary.{}.body = \"{}\")", spec.name, deformable->name) : ""));
 }
 
 void BoundaryConditions::read_boundaries(const Case& c, const Discretisation& d) {

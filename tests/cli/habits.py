@@ -34,7 +34,7 @@ def completed(line):
     """What bash offers for the last word of a line."""
     words = line.split(" ")
     listed = " ".join(f"'{w}'" for w in words)
-    done = shell(f'eval "$("$BERM" completion bash)"; COMP_WORDS=({listed}); COMP_WORDS[0]=$BERM; COMP_CWORD={len(words) - 1}; _berm; echo "${{COMPREPLY[@]}}"')
+    done = shell(f'set -u; eval "$("$BERM" completion bash)"; COMP_WORDS=({listed}); COMP_WORDS[0]=$BERM; COMP_CWORD={len(words) - 1}; _berm; echo "${{COMPREPLY[@]}}"')
     return done.stdout.split()
 
 

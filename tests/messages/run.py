@@ -333,6 +333,8 @@ FAILURES = {
     "slope that fails, Tresca": (GRID + SAND.replace("30.0", "0.0") + SLOPE + BASE + "[steps]\ncount = 10\nmin_fraction = 0.05\n", 'analysis = "dynamic"',
                                  ["steps.analysis=dynamic", "steps.duration=0.5", "grid.cells=[44,26]"]),
     "probe beside the body": (GRID + ELASTIC + BLOCK + BASE + '[probe.p]\nat = [1.8, 1.8]\nquantity = "stress_yy"\n' + FEW, "outside of every deformable body", ["probe.p.at=[0.5,0.5]"]),
+    "support between the nodes of splines": (GRID.replace("24] }", '24], shape_functions = "quadratic_bspline" }') + ELASTIC + BLOCK + BASE.replace("{ max", "{ min = [-1.0, -1e-6], max") + FEW, "or hold the surface that lies there",
+                                             ["boundary.base.body=a"]),
     "support without nodes": (GRID + ELASTIC + BLOCK + BASE + TOP.replace("0.9999", "0.93").replace("1.0001", "0.95") + FEW, "catches no node", ["boundary.top.where.box.max=[9.0,1.01]"]),
 }
 
