@@ -56,13 +56,13 @@ void add_options_of_case(CLI::App* command, Words& w) {
   command->add_flag("--allow-petsc-files", w.petsc_files, "let solver.petsc write files and set any option of PETSc");
 }
 
+/// What is wrong with a command line, and where to look.
 std::string words_of(const CLI::App* app, const CLI::Error& error) {
   const std::string text = error.what();
   if (dynamic_cast<const CLI::ExtrasError*>(&error) && text.find('=') != std::string::npos)
     return fmt::format("berm: {}: every override has its own --set\n", text);
-  const std::vector<const CLI::App*> commands = app->get_subcommands({});
-  const auto given = std::find_if(commands.begin(), commands.end(), [](const CLI::App* command) { return command->parsed(); });
-  return fmt::format("berm: {}; see berm {}--help\n", text, given == commands.end() ? "" : (*given)->get_name() + " ");
+  const std::vector<CLI::App*> given = app->get_subcommands();
+  return fmt::format("berm: {}; see berm {}--help\n", text, given.empty() ? "" : given.front()->get_name() + " ");
 }
 
 void add_commands(CLI::App& app, Words& w) {

@@ -206,7 +206,7 @@ def main(arguments=None):
     )
     parser.add_argument("--points", type=words.at_least_zero, metavar="RTOL", help="for the points (default: as for history.csv)")
     parser.add_argument(
-        "--before", type=words.positive, metavar="PEAKFRACTION", help="compare until the load reaches this part of A's peak"
+        "--before", type=float, metavar="PEAKFRACTION", help="compare until the load reaches this part of A's peak"
     )
     options = parser.parse_args(arguments)
     if options.before is not None and not 0.0 < options.before <= 1.0:

@@ -14,6 +14,11 @@ inline int body_index(const Case& c, const std::string& name) {
   return -1;
 }
 
+/// Two deformable bodies that a contact is for, the lower number first.
+inline std::pair<int, int> bodies_of(const Case& c, const Contact& contact) {
+  return std::minmax({body_index(c, contact.body), body_index(c, contact.other)});
+}
+
 /// Null for a rigid body.
 inline const Material* material_of(const Case& c, int body) {
   const auto found = std::find_if(c.materials.begin(), c.materials.end(), [&](const Material& m) { return m.name == c.bodies[body].material; });

@@ -101,10 +101,6 @@ std::map<Pair, std::vector<SurfacePoint>> touching_pieces(const Case& c, const s
   return pieces;
 }
 
-Pair bodies_of(const Case& c, const Contact& contact) {
-  return std::minmax({body_index(c, contact.body), body_index(c, contact.other)});
-}
-
 /// What flows through the grid mixes and folds: shared nodes see that wherever it happens, a tie only where the bodies
 /// touched at the start.
 bool flows(const Case& c, int body) {

@@ -3,29 +3,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "bc/case_lookup.hpp"
 #include "case/units.hpp"
 
 namespace berm {
 
+namespace {
+
 /// Of bodies that a contact parts: they have nodes of their own in every stage.
 void doubt_ends_of_contact(const Case& c, const Node& root, Problems& problems) {
-  for (const Contact& k : c.contacts) {
-    if (k.other.empty()) continue;
-    const auto of_the_same = [&](const Contact& other) { return std::minmax(other.body, other.other) == std::minmax(k.body, k.other); };
-    const auto is_kept = [&](const Stage& stage) {
-      return std::any_of(c.contacts.begin(), c.contacts.end(), [&](const Contact& other) { return of_the_same(other) && acts_in(other.stages, stage.name); });
-    };
-    const auto stage = std::find_if_not(c.stages.begin(), c.stages.end(), is_kept);
-    const bool told = &*std::find_if(c.contacts.begin(), c.contacts.end(), of_the_same) != &k;
-    if (stage == c.stages.end() || told) continue;
-    problems.warn(place_in(root, "contact", k.name, "stages"),
+  std::map<std::pair<int, int>, std::vector<const Contact*>> contacts_of;
+  for (const Contact& k : c.contacts)
+    if (!k.other.empty()) contacts_of[bodies_of(c, k)].push_back(&k);
+  for (const auto& [bodies, contacts] : contacts_of) {
+    const auto stage = std::find_if(c.stages.begin(), c.stages.end(), [&contacts = contacts](const Stage& s) {
+      return std::none_of(contacts.begin(), contacts.end(), [&](const Contact* k) { return acts_in(k->stages, s.name); });
+    });
+    if (stage == c.stages.end()) continue;
+    const Contact& first = *contacts.front();
+    problems.warn(place_in(root, "contact", first.name, "stages"),
                   fmt::format("in [stage.{0}] no contact keeps \"{1}\" and \"{2}\" apart: where they meet they pass through each other. Add \"{0}\" to \"stages\", or "
                               "give them a second [contact.NAME] with it",
-                              stage->name, k.body, k.other));
+                              stage->name, first.body, first.other));
   }
 }
+
+}  // namespace
 
 Place place_in(const Node& root, const std::string& kind, const std::string& name, const std::string& key) {
   const Node::Entry* table = root.find(kind);

@@ -119,7 +119,7 @@ bool is_first(const World& w, const std::string& stage) { return stage == w.spec
 
 /// Whether two deformable bodies touch at the start.
 bool meet(const World& w, const Contact& k) {
-  return w.neighbours.touching.contains(std::minmax(body_index(w.spec, k.body), body_index(w.spec, k.other)));
+  return w.neighbours.touching.contains(bodies_of(w.spec, k));
 }
 
 /// Parts that share nodes, are tied or touch by contact with friction in a stage move together. Collective.

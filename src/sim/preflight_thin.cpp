@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "bc/piece_bins.hpp"
 #include "sim/advice.hpp"
@@ -43,14 +43,13 @@ double thickness_at(const SurfacePoint& s, const std::vector<SurfacePoint>& surf
 /// Pieces from which to look: of those of one body that face alike, one in every cube. All of a surface that is much finer than
 /// the cells would look at each other (160000 triangles: 4 minutes).
 std::vector<const SurfacePoint*> viewpoints(const std::vector<SurfacePoint>& surface, double width) {
-  std::set<std::array<long, 5>> seen;  // body, cube, side
+  std::set<std::tuple<int, Cube, int>> seen;  // body, cube, side
   std::vector<const SurfacePoint*> chosen;
   for (const SurfacePoint& s : surface) {
     int axis = 0;
     const double along = s.normal.cwiseAbs().maxCoeff(&axis);
-    const auto cube = [&](int i) { return std::lround(std::floor(s.X[i] / width)); };
-    const long side = 2 * axis + (s.normal[axis] == along);
-    if (seen.insert({s.body, cube(0), cube(1), cube(2), side}).second) chosen.push_back(&s);
+    const int side = 2 * axis + (s.normal[axis] == along);
+    if (seen.insert({s.body, cube_of(s.X, width), side}).second) chosen.push_back(&s);
   }
   return chosen;
 }

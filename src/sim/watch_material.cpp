@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/cube.hpp"
 #include "base/error.hpp"
 #include "bc/case_lookup.hpp"
 #include "sim/advice.hpp"
@@ -52,15 +53,11 @@ void Watch::look_for_large_motion() {
     double sum = 0.0, volume = 0.0;
     for (int p = slice.begin; p < slice.end; ++p) sum += m.volume[p] * (m.F[p] - Mat3::Identity()).norm(), volume += m.volume[p];
     sum = world_.comm.sum(sum), volume = world_.comm.sum(volume);
-    const std::string& body = world_.spec.bodies[slice.body].name;
+    if (!(sum > told * volume)) continue;
+    const std::string text = fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}", world_.spec.bodies[slice.body].name, sum / volume, world_.time);
     if (sum > absurd * volume && !is_damage(slice.law))  // pieces that have broken off may go anywhere
-      throw RunError(fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}, of which small strain knows nothing: the load is more than can be "
-                                 "borne, or take [model] kinematics = \"finite\"",
-                                 body, sum / volume, world_.time));
-    if (sum > told * volume && !has_told("motion"))
-      tell_once("motion", fmt::format("strains and rotations of body \"{}\" are {:.2g} in the mean at time {:.6g}: small strain neglects their squares. Take "
-                        "[model] kinematics = \"finite\"",
-                        body, sum / volume, world_.time));
+      throw RunError(text + ", of which small strain knows nothing: the load is more than can be borne, or take [model] kinematics = \"finite\"");
+    tell_once("motion", text + ": small strain neglects their squares. Take [model] kinematics = \"finite\"");
   }
 }
 
@@ -80,14 +77,14 @@ void Watch::look_for_smeared_cracks() {
   const std::vector<double> released = m.released_energy_fraction();
   const std::vector<Vec3> X = d.point_origins();
   std::vector<std::array<double, 5>> mine;  // box, energy, axis across
-  std::map<std::array<long, 3>, CellEnergy> boxes;
+  std::map<Cube, CellEnergy> boxes;
   for (int p = 0; p < m.size(); ++p) {
     if (released[p] < little) continue;
     Voigt strain = m.strain[p];
     for (const int shear : {XY, YZ, ZX}) strain[shear] *= 0.5;
     const Eigen::SelfAdjointEigenSolver<Mat3> principal(response_detail::tensor(strain));
     if (principal.eigenvalues()[2] < -principal.eigenvalues()[0]) continue;  // crushed
-    CellEnergy& box = boxes[{std::lround(std::floor(X[p].x() / h)), std::lround(std::floor(X[p].y() / h)), std::lround(std::floor(X[p].z() / h))}];
+    CellEnergy& box = boxes[cube_of(X[p], h)];
     box.energy += released[p] * m.volume[p];
     box.across += released[p] * m.volume[p] * principal.eigenvectors().col(2).cwiseAbs();
   }
@@ -96,7 +93,7 @@ void Watch::look_for_smeared_cracks() {
     box.across.maxCoeff(&axis);
     mine.push_back({double(at[0]), double(at[1]), double(at[2]), box.energy, double(axis)});
   }
-  std::map<std::array<long, 3>, std::pair<double, int>> all;
+  std::map<Cube, std::pair<double, int>> all;
   for (const auto& [x, y, z, energy, axis] : world_.comm.all_gather(mine)) {
     auto& box = all[{std::lround(x), std::lround(y), std::lround(z)}];
     if (energy > 0.5 * box.first) box.second = static_cast<int>(axis);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -361,19 +362,20 @@ void warn_of_missing_contacts(World& w) {
   for (const auto& [a, b] : w.neighbours.parted) kept_apart.insert(std::minmax(field[a], field[b]));  // by the body between them
   for (const Contact& contact : c.contacts) {
     if (contact.other.empty()) continue;
-    const int a = field[body_index(c, contact.body)], b = field[body_index(c, contact.other)];
-    kept_apart.insert({std::min(a, b), std::max(a, b)});
+    const auto [a, b] = bodies_of(c, contact);
+    kept_apart.insert(std::minmax(field[a], field[b]));
   }
   for (const Interface& at : w.discretisation->interfaces()) meet.insert({at.field_a, at.field_b});
+  std::vector<std::array<int, 2>> mine;
+  for (const auto& [a, b] : meet) mine.push_back({a, b});
+  for (const auto& [a, b] : w.comm.all_gather(mine)) meet.insert({a, b});
   constexpr int most = 5;
-  const int n = w.discretisation->n_fields();
   int told = 0;
-  for (int a = 0; a < n; ++a)
-    for (int b = a + 1; b < n; ++b)
-      if (w.comm.any(meet.count({a, b}) > 0) && kept_apart.count({a, b}) == 0 && ++told <= most)
-        w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
-                                         "contacts: without a [contact.NAME] they will pass through each other",
-                                         bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
+  for (const auto& [a, b] : meet)
+    if (kept_apart.count({a, b}) == 0 && ++told <= most)
+      w.warnings.push_back(fmt::format("{} and {} lie next to each other and do not share nodes because of other "
+                                       "contacts: without a [contact.NAME] they will pass through each other",
+                                       bodies_of_field(c, field, a), bodies_of_field(c, field, b)));
   if (told > most) w.warnings.push_back(fmt::format("{} more pairs of bodies lie next to each other without a [contact.NAME]", told - most));
 }
 
@@ -383,7 +385,7 @@ void refuse_contacts_out_of_sight(const World& w) {
   const Case& c = w.spec;
   if (moves_through_grid(c)) return;
   for (const Contact& contact : c.contacts)
-    if (!contact.other.empty() && w.neighbours.apart.count(std::minmax(body_index(c, contact.body), body_index(c, contact.other))))
+    if (!contact.other.empty() && w.neighbours.apart.count(bodies_of(c, contact)))
       throw InputError(
           fmt::format("[contact.{}]: \"{}\" and \"{}\" start apart, and with {} the grid sees them where they start: they would pass through each other, or "
                       "press on nodes that are not at their surfaces. Take [model] kinematics = \"finite\" and formulation = \"updated_lagrangian\"",

@@ -81,10 +81,9 @@ void MpmDiscretisation::find_carriers(const std::vector<Anchor*>& anchors,
   for (const Anchor* a : anchors) look(*a);
   for (const AnchorPair* pair : pairs_) look(pair->a), look(pair->b);
   if (comm_.any(!mine.empty())) find_carriers_of(who, mine, is_filled);
-  const auto ends = carrier_.begin() + static_cast<std::ptrdiff_t>(anchors.size());
   cells_of_pairs_.clear();
-  for (auto end = ends; end != carrier_.end(); end += 2) cells_of_pairs_.emplace_back(end[0], end[1]);
-  carrier_.erase(ends, carrier_.end());
+  for (std::size_t end = anchors.size(); end < carrier_.size(); end += 2) cells_of_pairs_.emplace_back(carrier_[end], carrier_[end + 1]);
+  carrier_.resize(anchors.size());
 }
 
 /// `who`: of carrier_; `mine`: layered cell and place of each. Collective.

@@ -56,46 +56,29 @@ THREE = "".join(f'[body.{name}]\nmaterial = "m"\nshape.box = {{ min = {low}, max
     ("root", [0.0, 0.0], [0.2, 1.0]), ("low", [0.2, 0.0], [1.0, 0.4]), ("high", [0.2, 0.6], [1.0, 1.0]))) + '[contact.c]\nbody = "high"\nother = "low"\nkind = "friction"\nfriction = 0.3\n'
 PRESSED = '[boundary.press]\nbody = "a"\nwhere.box = { min = [0.8, 0.9999] }\nuy = -0.15\n[steps]\ncount = 10\n'
 PUSHED = '[boundary.push]\nbody = "b"\nwhere.box = { min = [1.1999, -9.0] }\nux = -0.28\nuy = 0.0\n[steps]\ncount = 5\n'
-SQUASHED = """
-[grid]
-origin = [-1.0, -0.2]
-cell_size = 0.1
-cells = [30, 15]
-[body.a]
-material = "m"
-shape.box = { min = [0.0, 0.0], max = [1.0, 1.0] }
-[boundary.base]
-where.box = { max = [9.0, 1e-6] }
-uy = 0.0
-[boundary.middle]
-where.box = { min = [0.499, -1.0], max = [0.501, 1e-6] }
-ux = 0.0
-[pressure.top]
+SQUASHED = (GRID + SAND.replace("1e3", "2e5") + 'tensile_strength = 0.0\n' + BLOCK + BASE.replace("ux = 0.0\n", "") + '[boundary.middle]\nwhere.box = { min = [0.499, -1.0], max = [0.501, 1e-6] }\nux = 0.0\n'
+            + '[pressure.top]\nbody = "a"\nwhere.box.min = [-1.0, 0.999]\nvalue = "400 kPa"\n[steps]\ncount = 10\n')
+FLOOR = """
+[body.floor]
+rigid = true
+shape.box = { min = [-0.2, -0.2], max = [2.0, 0.0] }
+[contact.c]
 body = "a"
-where.box.min = [-1.0, 0.999]
-value = "400 kPa"
-[steps]
-count = 10
-""" + SAND.replace("1e3", "2e5") + 'tensile_strength = 0.0\n'
+rigid = "floor"
+kind = "friction"
+friction = 0.3
+"""
 TIP = """
 model.gravity = [0.0, "-9.81*t"]
 [body.wedge]
 material = "m"
 shape.polygon = [[0.5, 0.0], [1.0, 0.5], [0.0, 0.5]]
-[body.floor]
-rigid = true
-shape.box = { min = [-0.2, -0.2], max = [2.0, 0.0] }
-[contact.c]
-body = "wedge"
-rigid = "floor"
-kind = "friction"
-friction = 0.5
 [boundary.top]
 where.box = { min = [-1.0, 0.4999], max = [3.0, 0.5001] }
 ux = 0.0
 [steps]
 count = 5
-"""
+""" + FLOOR.replace('"a"', '"wedge"').replace("0.3", "0.5")
 SLOPE = """
 model.gravity = [0.0, "-9.81*min(t, 1)"]
 [body.a]
@@ -113,19 +96,11 @@ count = 4
 [stage.push]
 analysis = "quasi_static"
 count = 20
-[body.floor]
-rigid = true
-shape.box = { min = [-0.2, -0.2], max = [2.0, 0.0] }
-[contact.c]
-body = "a"
-rigid = "floor"
-kind = "friction"
-friction = 0.3
 [pressure.side]
 body = "a"
 where.box = { max = [1e-6, 9.0] }
 value = "6e3*max(0, t - 1)"
-"""
+""" + FLOOR
 # The middle cell is weaker by less than what a step adds: all three pass their peak in one.
 THREE_CELLS = """
 grid = { origin = [0.0, 0.0], cell_size = 0.1, cells = [1, 3] }
