@@ -5,11 +5,11 @@
 
 The case is run with cohesion / F and atan(tan(friction angle) / F) in place of its strength; the factor of safety is
 the largest F at which it stands. A run has failed if it finds no equilibrium with the smallest step that the case
-allows, or if something moves more than JUMP times as far as in the run with the lowest F that stands. F grows or falls
-from 1 until the answer lies between two values, and their distance is halved until it is at most twice TOLERANCE.
+allows, or if something moves by more than a tenth of the height of all bodies (their smallest extent), or more than JUMP
+times as far as in the run with the lowest F that stands. F grows or falls from 1 until the answer lies between two values, and their distance is halved until it is at most twice TOLERANCE.
 
 Every trial is a run in DIR/F_1.2000 (default: out/<name of the case>_safety), in the place of that of an earlier search.
-Writes DIR/factor_of_safety.csv and .png.
+Writes DIR/factor_of_safety.csv, a row a trial as they come, and .png.
 Exit code 1: no factor was found; 2: the input is wrong.
 """
 
@@ -35,6 +35,7 @@ LAWS = ("mohr_coulomb", "drucker_prager")
 NO_CUT_OFF = 1e30  # tensile_strength of a case without a tension cut-off
 LEAST_TOLERANCE = 1e-4
 GROWTH = 1.25  # of F while no run has failed
+RUN_OUT = 0.1  # of the smallest extent of all bodies: what moves farther has come down, not settled
 
 
 class NoFactor(Exception):
@@ -94,6 +95,12 @@ def reduced(name, material, factor):
     return [f"material.{name}.{key}={value:.12g}" for key, value in changes.items()]
 
 
+def smallest_extent(run):
+    """Of the points of all bodies at the start [m]."""
+    sides = np.ptp(run.frame(0)["position"], axis=0)
+    return float(min(side for side in sides if side > 0.0))
+
+
 def version_of(path):
     """What tells a file from the one that it replaces; None if there is none."""
     try:
@@ -146,16 +153,22 @@ class Search:
         displacement = float(np.linalg.norm(run.last()["displacement"], axis=1).max())
         share = float(run.history["time"][-1]) / self.duration(folder)
         trial = Trial(factor, status == "done", share, displacement, reason.split(" (")[0], folder, warnings)
-        standing = min((t for t in self.trials if t.stands), key=lambda t: t.factor, default=None)
-        if trial.stands and standing and displacement > self.options.jump * standing.displacement:
-            trial.stands = False
-            trial.reason = (
-                f"displacement {displacement / standing.displacement:.1f} times that of F = {standing.factor:g}"
-            )
+        if trial.stands and (moved := self.too_far(displacement, smallest_extent(run))):
+            trial.stands, trial.reason = False, moved
         self.trials.append(trial)
+        self.write_table()
         verdict = "stands" if trial.stands else f"fails at {100 * share:.1f} % of the run"
         print(f"F = {factor:.4f}: {verdict}, largest displacement {displacement:.4g} m", flush=True)
         return trial.stands
+
+    def too_far(self, displacement, height):
+        """Why something that has found equilibrium has failed all the same; empty: it has not."""
+        if displacement > RUN_OUT * height:
+            return f"displacement {displacement / height:.2g} times the height of the bodies"
+        standing = min((t for t in self.trials if t.stands), key=lambda t: t.factor, default=None)
+        if standing and displacement > self.options.jump * standing.displacement:
+            return f"displacement {displacement / standing.displacement:.1f} times that of F = {standing.factor:g}"
+        return ""
 
     @staticmethod
     def duration(folder):
@@ -183,14 +196,18 @@ class Search:
             low, high = (middle, high) if self.attempt(middle) else (low, middle)
         return low, high
 
-    def write(self, low, high):
-        rows = sorted(self.trials, key=lambda t: t.factor)
+    def rows(self):
+        return sorted(self.trials, key=lambda t: t.factor)
+
+    def write_table(self):
         with new_file(os.path.join(self.out, "factor_of_safety.csv")) as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(["factor [-]", "stands [-]", "share_of_run [-]", "largest_displacement [m]", "reason"])
-            for t in rows:
+            for t in self.rows():
                 writer.writerow([f"{t.factor:.6g}", int(t.stands), f"{t.share:.6g}", f"{t.displacement:.6g}", t.reason])
-        figure = safety_figure(rows, low, high)
+
+    def write_figure(self, low, high):
+        figure = safety_figure(self.rows(), low, high)
         with new_file(os.path.join(self.out, "factor_of_safety.png"), binary=True) as file:
             figure.savefig(file, format="png")
 
@@ -245,7 +262,7 @@ def main(arguments=None):
     try:
         search = Search(options, find_berm(options.berm), options.out or os.path.join("out", f"{name}_safety"))
         low, high = search.find()
-        search.write(low, high)
+        search.write_figure(low, high)
     except NoFactor as error:
         print(f"error: {error}", file=sys.stderr)
         return 1

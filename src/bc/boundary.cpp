@@ -176,8 +176,7 @@ void BoundaryConditions::commit(const Discretisation& d, const NodalVector& du, 
     comm_.sum(push);
     for (std::size_t k = 0; k < push.size(); ++k) inclined_[k].push = push[k];
   }
-  for (std::size_t b = 0; b < case_.bodies.size(); ++b)
-    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(t1);
+  move_rigid(t1);
 }
 
 }  // namespace berm

@@ -138,7 +138,9 @@ public:
   std::vector<double> rows(int kind) const;
   /// Rows of all processes, given to each, whoever has the anchors now; they travel with the next move_anchors.
   void restore(int kind, const std::vector<double>& rows);
-  /// Where rigid bodies are at that time; their points too move in finite kinematics.
+  /// Where rigid bodies are at that time. Throws RunError if it is out of reach.
+  void move_rigid(double time);
+  /// The same; their points too move in finite kinematics.
   void restore_rigid(double time);
   void check_held_surfaces(double time) const;
 

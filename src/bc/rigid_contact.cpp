@@ -5,7 +5,9 @@
 #include <cmath>
 #include <optional>
 
+#include "base/error.hpp"
 #include "base/findings.hpp"
+#include "base/reach.hpp"
 #include "bc/boundary.hpp"
 #include "bc/case_lookup.hpp"
 #include "bc/parted_supports.hpp"
@@ -159,9 +161,17 @@ BoundaryConditions::ContactForce BoundaryConditions::contact_force(const Contact
   return sliding;
 }
 
+void BoundaryConditions::move_rigid(double time) {
+  for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
+    if (!case_.bodies[b].rigid) continue;
+    rigid_offset_[b] = case_.bodies[b].displacement.at(time);
+    if (const double far = rigid_offset_[b].norm(); far > farthest_place)
+      throw RunError(fmt::format("[body.{}] has moved by {:.3g} m at t = {:.6g} s: places must lie within {:g} m of the origin", case_.bodies[b].name, far, time, farthest_place));
+  }
+}
+
 void BoundaryConditions::restore_rigid(double time) {
-  for (std::size_t b = 0; b < case_.bodies.size(); ++b)
-    if (case_.bodies[b].rigid) rigid_offset_[b] = case_.bodies[b].displacement.at(time);
+  move_rigid(time);
   for (RigidPoint& p : rigid_points_) {
     p.anchor.u = rigid_offset_[rigid_of_contact_[p.contact]];
     if (case_.kinematics == Kinematics::finite) p.anchor.x = p.anchor.X + p.anchor.u;

@@ -288,7 +288,7 @@ void for_nodes(const TiePoint& p, Work work) {
     for (int i = 0; i < end->stencil->n; ++i) work(k++, end->stencil->node[i]);
 }
 
-/// Of the points in one pair of cells, whose functions are the same.
+/// Of the points in one cell whose ends have the same functions: all are on one process, wherever its limits run.
 struct MeanGap {
   const TiePoint* first = nullptr;
   double stiffness = 0.0;
@@ -309,7 +309,7 @@ void add_block(double stiffness, const std::vector<double>& w, int block, int d,
 }  // namespace
 
 void SurfaceTies::add_forces(const NodalVector& du, NodalVector& f, BlockAssembler* matrix) const {
-  std::map<int, MeanGap> means;
+  std::map<std::pair<int, int>, MeanGap> means;  // by cell of the first end and block
   std::vector<double> w, K;
   for (const TiePoint& p : points_) {
     if (!acts_[p.joint]) continue;
@@ -318,7 +318,7 @@ void SurfaceTies::add_forces(const NodalVector& du, NodalVector& f, BlockAssembl
     const double loose = loose_share * p.stiffness, rest = p.stiffness - loose;
     for_nodes(p, [&](std::size_t k, int node) { f[node] += loose * w[k] * jump; });
     if (matrix) add_block(loose, w, p.ends.block, dimension_, K, *matrix);
-    MeanGap& mean = means[p.ends.block];
+    MeanGap& mean = means[{p.ends.a.cell, p.ends.block}];
     if (!mean.first) {
       mean.first = &p;
       mean.functions.assign(w.size(), 0.0);
@@ -327,9 +327,9 @@ void SurfaceTies::add_forces(const NodalVector& du, NodalVector& f, BlockAssembl
     mean.pull += rest * jump;
     for (std::size_t k = 0; k < w.size(); ++k) mean.functions[k] += rest * w[k];
   }
-  for (const auto& [block, mean] : means) {
+  for (const auto& [place, mean] : means) {
     for_nodes(*mean.first, [&, &m = mean](std::size_t k, int node) { f[node] += m.functions[k] / m.stiffness * m.pull; });
-    if (matrix) add_block(1.0 / mean.stiffness, mean.functions, block, dimension_, K, *matrix);
+    if (matrix) add_block(1.0 / mean.stiffness, mean.functions, place.second, dimension_, K, *matrix);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/reach.hpp"
 #include "case/tables.hpp"
 #include "mesh/shape_bounds.hpp"
 
@@ -141,8 +142,8 @@ void check_reach(const Scope& scope, const Body& body) {
   const auto* plane = std::get_if<PlaneShape>(&*body.shape);
   try {
     const SolidBox around = bounds_of(*body.shape);  // maps have large coordinates: the size counts
-    if (const double farthest = around.min.cwiseAbs().cwiseMax(around.max.cwiseAbs()).maxCoeff(); farthest > 1e10 && around.max.x() >= around.min.x())
-      return scope.explain("shape", fmt::format("reaches {:.3g} m: places must lie within 1e+10 m of the origin", farthest));
+    if (const double farthest = around.min.cwiseAbs().cwiseMax(around.max.cwiseAbs()).maxCoeff(); farthest > farthest_place && around.max.x() >= around.min.x())
+      return scope.explain("shape", fmt::format("reaches {:.3g} m: places must lie within {:g} m of the origin", farthest, farthest_place));
     if (plane) PlaneRegion{*plane};  // throws if it is none
     const double size = (around.max - around.min).maxCoeff();
     if (size > 1000.0) scope.warn("shape", fmt::format("[{}] is {:.6g} m long: did you mean mm?", scope.path, size));

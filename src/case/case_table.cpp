@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/reach.hpp"
 #include "case/tables.hpp"
 
 namespace berm {
@@ -136,7 +137,7 @@ const Table<GridInput>& grid_table() {
         .only_without("file");
     t.vector(
          "origin", [](GridInput & g) -> auto& { return g.structured.origin; }, Unit::length,
-         "lower left corner (in space: lowest one), before the rotation", Range{-1e10, 1e10})
+         "lower left corner (in space: lowest one), before the rotation", Range{-farthest_place, farthest_place})
         .only_without("file");
     t.custom(cells_info(), read_cells).required().only_without("file");
     t.custom(cell_size_info(), read_cell_size).only_without("file");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/reach.hpp"
 #include "bc/case_lookup.hpp"
 #include "case/doubts.hpp"
 
@@ -39,13 +40,9 @@ public:
   Functions(const Case& c, Problems& problems) : c_(c), problems_(problems) {}
 
   void look(const TimeFunction& f, const Stages& stages, const Place& place) const {
-    constexpr int samples = 20;
     if (f.is_number() || f.depends_on_place()) return;
     try {
-      for (const Stage& stage : c_.stages) {
-        if (!acts_in(stages, stage.name)) continue;
-        for (int k = 0; k <= samples; ++k) f.at(stage.begin + k * stage.steps.duration / samples);
-      }
+      largest_of(f, stages);
     } catch (const RunError& error) {
       return problems_.error(place, error.what());
     }
@@ -53,6 +50,18 @@ public:
   }
   void look(const VectorFunction& f, const Stages& stages, const Place& place) const {
     for (const TimeFunction& component : f.component) look(component, stages, place);
+  }
+
+  /// The same, and nothing may be moved out of reach. `what`: boundary.top
+  void look_at_motion(const TimeFunction& f, const Stages& stages, const Place& place, const std::string& what) const {
+    look(f, stages, place);
+    if (f.depends_on_place()) return;
+    try {
+      if (const double far = largest_of(f, stages); far > farthest_place)
+        problems_.error(place, fmt::format("[{}] moves by {:.3g} m: places must lie within {:g} m of the origin", what, far, farthest_place));
+    } catch (const RunError&) {
+      return;  // told by look()
+    }
   }
 
   /// Steps take the changes of a motion: what it is already where it begins to act in a later stage never comes. Not told where it goes on with what another
@@ -81,6 +90,15 @@ public:
   }
 
 private:
+  /// Its size, in the stages in which it acts.
+  double largest_of(const TimeFunction& f, const Stages& stages) const {
+    constexpr int samples = 20;
+    double size = 0.0;
+    for (const Stage& stage : c_.stages)
+      for (int k = 0; k <= samples && acts_in(stages, stage.name); ++k) size = std::max(size, std::abs(f.at(stage.begin + k * stage.steps.duration / samples)));
+    return size;
+  }
+
   void tell_unseen(const TimeFunction& f, const Stages& stages, const Place& place) const {
     constexpr double told = 0.2, seen = 0.05, little = 1e-3, most = 1e7;  // of the range in a stage; of the largest value in all
     try {
@@ -130,17 +148,17 @@ void check_functions(const Case& c, const Node& root, Problems& problems) {
   const Functions functions(c, problems);
   functions.look(c.gravity, {}, place_in(root, "model", "", "gravity"));
   for (const Body& b : c.bodies) {
-    functions.look(b.displacement, {}, place_in(root, "body", b.name, "displacement"));
+    for (const TimeFunction& u : b.displacement.component) functions.look_at_motion(u, {}, place_in(root, "body", b.name, "displacement"), "body." + b.name);
     functions.look(b.acceleration, {}, place_in(root, "body", b.name, "acceleration"));
   }
   for (const NodeBoundary& b : c.boundaries) {
     for (int i = 0; i < 3; ++i) {
       const Place place = place_in(root, "boundary", b.name, std::string("u") + "xyz"[i]);
-      if (b.u[i]) functions.look(*b.u[i], b.stages, place);
+      if (b.u[i]) functions.look_at_motion(*b.u[i], b.stages, place, "boundary." + b.name);
       functions.look_at_beginnings(b, [i](const NodeBoundary& n) { return n.u[i] ? &*n.u[i] : nullptr; }, place);
     }
     const Place place = place_in(root, "boundary", b.name, "un");
-    functions.look(b.un, b.stages, place);
+    functions.look_at_motion(b.un, b.stages, place, "boundary." + b.name);
     functions.look_at_beginnings(b, [](const NodeBoundary& n) { return &n.un; }, place);
   }
   if (c.control.kind == Control::Kind::gauge)

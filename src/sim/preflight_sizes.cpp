@@ -56,21 +56,29 @@ void warn_of_pressures(World& w) {
   }
 }
 
-/// Of supports in quasi-static stages: a body is pressed to nothing, or drawn to four times its length.
+/// Of supports and rigid bodies in quasi-static stages: a body is pressed to nothing, or drawn to four times its length.
 void warn_of_motions(World& w, double size) {
   constexpr double most = 3.0;
   const Case& c = w.spec;
+  const auto farthest = [&](const TimeFunction& u, const Stages& stages) {
+    double far = 0.0;
+    for (const Stage& stage : c.stages)
+      if (stage.steps.analysis == Analysis::quasi_static && acts_in(stages, stage.name) && !u.depends_on_place()) far = std::max(far, std::abs(u.at(stage.end())));
+    return far;
+  };
+  const auto tell = [&](const std::string& what, double far) {
+    if (far > most * size) w.warnings.push_back(fmt::format("[{}] moves by {:.4g} m, {:.2g} times as far as all bodies are long: did you mean mm?", what, far, far / size));
+  };
   for (const NodeBoundary& b : c.boundaries) {
-    double farthest = 0.0;
-    const auto look = [&](const TimeFunction& u) {
-      for (const Stage& stage : c.stages)
-        if (stage.steps.analysis == Analysis::quasi_static && acts_in(b.stages, stage.name) && !u.depends_on_place()) farthest = std::max(farthest, std::abs(u.at(stage.end())));
-    };
+    double far = farthest(b.un, b.stages);
     for (const std::optional<TimeFunction>& u : b.u)
-      if (u) look(*u);
-    look(b.un);
-    if (farthest > most * size)
-      w.warnings.push_back(fmt::format("[boundary.{}] moves by {:.4g} m, {:.2g} times as far as all bodies are long: did you mean mm?", b.name, farthest, farthest / size));
+      if (u) far = std::max(far, farthest(*u, b.stages));
+    tell("boundary." + b.name, far);
+  }
+  for (const Body& b : c.bodies) {
+    double far = 0.0;
+    for (const TimeFunction& u : b.displacement.component) far = std::max(far, farthest(u, {}));
+    tell("body." + b.name, far);
   }
 }
 

@@ -40,18 +40,30 @@ void MpmDiscretisation::begin_step(const std::vector<Anchor*>& anchors) {
 /// How many faces away from an anchor's cell one that carries it is looked for.
 constexpr int carrier_reach = 3;
 
+/// Of two cells that offer to carry {cell, distance; -1: none} the nearer one; as near but for rounding: the first of the grid,
+/// whatever the order in which they are met, so that any number of processes takes the same.
+using Offer = std::pair<int, double>;
+bool is_better(const Offer& offer, const Offer& best) {
+  constexpr double rounding = 1e-9;
+  if (offer.first < 0) return false;
+  if (best.first < 0) return true;
+  const double apart = offer.second - best.second;
+  const double same = rounding * std::max(offer.second, best.second);
+  return std::abs(apart) <= same ? offer.first < best.first : apart < 0.0;
+}
+
 /// The cell with material that is nearest to a place in one without, and how far its centre is (0: the cell itself has some);
 /// {-1, 0}: none is near.
 std::pair<int, double> MpmDiscretisation::nearest_filled(int layered, const Vec3& place,
                                                          const std::function<bool(int layered)>& is_filled) const {
   if (is_filled(layered)) return {layered, 0.0};
   std::vector<int> around = {layered};
-  std::pair<int, double> best = {-1, 0.0};
+  Offer best = {-1, 0.0};
   for (std::size_t begin = 0, ring = 0; ring <= carrier_reach; ++ring) {
     const std::size_t end = around.size();
     for (std::size_t k = begin; k < end; ++k) {
       const double distance = (cell_centre(grid_.mesh, grid_cell(around[k])) - place).norm();
-      if (is_filled(around[k]) && (best.first < 0 || distance < best.second * (1.0 - 1e-9))) best = {around[k], distance};
+      if (is_filled(around[k]) && is_better({around[k], distance}, best)) best = {around[k], distance};
       for (int f = 0; f < max_faces; ++f)
         if (const int other = neighbour(around[k], f);
             other >= 0 && std::find(around.begin(), around.end(), other) == around.end())
@@ -99,14 +111,10 @@ void MpmDiscretisation::find_carriers_of(const std::vector<std::size_t>& who, co
   }
   const std::vector<double> all = comm_.all_gather(offers);  // those of one process after those of another
   for (std::size_t k = 0; k < who.size(); ++k) {
-    int best = -1;
-    double nearest = infinity;
+    Offer best = {-1, 0.0};
     for (std::size_t at = before + 2 * k; at < all.size(); at += offers.size())
-      if (all[at] >= 0.0 && all[at + 1] < nearest) {
-        best = static_cast<int>(all[at]);
-        nearest = all[at + 1];
-      }
-    if (best >= 0) carrier_[who[k]] = best;
+      if (const Offer offer = {static_cast<int>(all[at]), all[at + 1]}; is_better(offer, best)) best = offer;
+    if (best.first >= 0) carrier_[who[k]] = best.first;
   }
 }
 

@@ -2,7 +2,8 @@
 """Stands in for the program in the tests of the factor of safety: `run CASE --out DIR --set KEY=VALUE ... --force`.
 
 A slope of 10 kPa and 20 degrees (in case.toml) that falls once both strengths are divided by more than 1.37 (key
-`falls_at`); with `runs_out = true` it finds equilibrium all the same, after ten times the displacement. With `breaks` it writes nothing.
+`falls_at`); with `runs_out = true` it finds equilibrium all the same, after ten times the displacement, with `comes_down = true` at the foot of the
+slope. With `breaks` it writes nothing.
 """
 
 import json
@@ -29,9 +30,10 @@ assert abs(by_cohesion - by_friction) < 1e-9, "cohesion and friction must be red
 assert float(settings.get("material.soil.dilatancy_angle", 0.0)) <= angle
 if by_cohesion > 1.3:
     print("warning: strains of 0.2 in small strain", file=sys.stderr)
-falls, runs_out = by_cohesion > falls_at, settings.get("runs_out") == "true"
+falls, comes_down = by_cohesion > falls_at, settings.get("comes_down") == "true"
+runs_out = comes_down or settings.get("runs_out") == "true"
 
-synthetic.TRAVEL *= 10.0 if falls else 1.0 + 0.1 * by_cohesion
+synthetic.TRAVEL *= (100.0 if comes_down else 10.0) if falls else 1.0 + 0.1 * by_cohesion
 synthetic.write_run(out, "mpm", 1.0, cell=0.05, steps=20, frames=2)
 with open(os.path.join(out, "case.toml"), "w", encoding="utf-8") as file:
     file.write(

@@ -66,6 +66,18 @@ class FactorOfSafety(unittest.TestCase):
         self.assertTrue(any("times that of F = 1" in row["reason"] for row in self.rows()))
         self.assertEqual(self.find("--set", "runs_out=true", "--jump", "100")[0], 1)
 
+    def test_slope_that_has_come_down_has_failed(self):
+        """The first runs find equilibrium, all of them at the foot: there is none with a displacement to compare with."""
+        code, printed, _ = self.find("--set", "comes_down=true", "--set", "falls_at=0.71")
+        self.assertEqual(code, 0)
+        factor, within = self.answer(printed)
+        self.assertLessEqual(abs(factor - 0.71), within + 5e-4)
+        self.assertTrue(any("times the height of the bodies" in row["reason"] for row in self.rows()))
+
+    def test_trials_of_a_search_that_ends_early_are_kept(self):
+        self.assertEqual(self.find("--set", "falls_at=1e9", "--most", "3")[0], 1)
+        self.assertEqual(float(self.rows()[-1]["factor [-]"]), 3.0)
+
     def test_search_in_the_folder_of_an_earlier_one(self):
         first = self.find()
         note = os.path.join(self.out, "F_1.0000", "note.txt")
