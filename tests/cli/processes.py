@@ -148,13 +148,13 @@ def full_and_closed_output():
 
 @test
 def mpi_that_does_not_start():
-    """Open MPI's own words are kept from the user: ours say how to see them."""
+    """Open MPI's own words are kept from the user: ours say how to see them. On a busy machine Open MPI loses some of them itself: several tries."""
     words = ("run", "case.toml", "-n", "2", "--oversubscribe", "--force")
     of_another = os.environ | {"OMPI_MCA_btl": "foo", "OPAL_PREFIX": "/nonexistent", "OMPI_MCA_coll": "foo", "OMPI_MCA_mca_base_component_path": "/nonexistent"}
     return (wrong(berm("run", "case.toml", env=of_another), 0)  # one process needs none of it
             or wrong(berm(*words, env=os.environ | {"OPAL_PREFIX": "/nonexistent"}), 1, "OPAL_PREFIX=/nonexistent")
             or wrong(berm(*words, env=os.environ | {"OMPI_MCA_btl": "foo"}), 1, "has not started the processes", "OMPI_MCA_orte_execute_quiet=0", "OMPI_MCA_btl=foo")
-            or ("" if "Component: foo" in berm(*words, env=os.environ | {"OMPI_MCA_btl": "foo", "OMPI_MCA_orte_execute_quiet": "0"}).stderr else "does not show why")
+            or ("" if any("Component: foo" in berm(*words, env=os.environ | {"OMPI_MCA_btl": "foo", "OMPI_MCA_orte_execute_quiet": "0"}).stderr for _ in range(5)) else "does not show why")
             or wrong(berm(*words, "--set", "material.m.density=x"), 2, absent=["has not started"]))
 
 
