@@ -52,8 +52,7 @@ void BoundaryConditions::read_contact(int contact, const Case& c, const Discreti
   const std::size_t before = contacts_.size();
   // Chords of a mesh lie beside the shape that was meshed: the place that they stand for counts.
   std::optional<Region> meshed;
-  if (c.method == Method::fem && spec.kind == Contact::Kind::tie && c.bodies[body].shape)
-    meshed.emplace(*c.bodies[body].shape, cell_size_);
+  if (c.method == Method::fem && c.bodies[body].shape) meshed.emplace(*c.bodies[body].shape, cell_size_);
   for (const SurfacePoint& s : surface) {
     if (s.body != body) continue;
     const Vec3 x = meshed ? meshed->nearest(s.X).point : s.X;
@@ -63,6 +62,7 @@ void BoundaryConditions::read_contact(int contact, const Case& c, const Discreti
     point.id = static_cast<int>(contacts_.size());
     point.contact = contact;
     point.stiffness = factor * s.area;
+    point.beside = x - s.X;
     contacts_.push_back(point);
   }
   if (contacts_.size() == before)
@@ -107,7 +107,7 @@ void BoundaryConditions::find_gaps() {
   for (ContactPoint& p : contacts_) {
     if (case_.contacts[p.contact].kind == Contact::Kind::tie) continue;
     const int rigid = rigid_of_contact_[p.contact];
-    const Region::Nearest nearest = rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u - rigid_offset_[rigid]);
+    const Region::Nearest nearest = rigid_regions_.at(rigid).nearest(p.anchor.X + p.anchor.u + p.anchor.F * p.beside - rigid_offset_[rigid]);
     p.normal = nearest.normal;
     p.gap = nearest.distance;
   }

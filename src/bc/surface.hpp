@@ -98,6 +98,7 @@ struct ContactPoint {
   Anchor anchor;
   int id = 0, contact = 0;     ///< contact: index into the case's contacts
   double stiffness = 0.0;      ///< penalty times area [N/m]
+  Vec3 beside = Vec3::Zero();  ///< from the place on a mesh to that of the shape that was meshed, at the start [m]
   Vec3 slip = Vec3::Zero();    ///< relative displacement since touch, with friction its elastic part, t_n [m]
   Vec3 normal = Vec3::Zero();  ///< outward normal of the rigid body, frozen in the step
   double gap = 0.0;            ///< at t_n, frozen normal [m]

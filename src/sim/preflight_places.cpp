@@ -172,7 +172,9 @@ void refuse_overlaps(const Case& c, const BuiltBodies& built, double size) {
       const std::string &first = c.bodies[a].name, &second = c.bodies[b].name;
       const Contact* contact = c.bodies[b].rigid ? unilateral_contact(c, first, second) : nullptr;
       if (c.bodies[b].rigid && !contact) continue;
-      const Inside in = part_inside(region, places[a]);
+      Inside in = part_inside(region, places[a]);
+      // Chords of a mesh across a hole lie outside of the body's own shape.
+      if (const auto own = regions.find(a); own != regions.end() && in.depth > 0.0) in.depth -= std::max(0.0, own->second.nearest(in.at).distance);
       if (in.depth <= (contact ? thin_rigid : thin) * size) continue;
       const std::string amount = in.measure > 0.0 ? fmt::format("{:.4g} {}", in.measure, d == 3 ? "m3" : "m2") : fmt::format("{:.4g} m", in.depth);
       if (contact)
